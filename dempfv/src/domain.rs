@@ -1,0 +1,154 @@
+//! The box that holds the packing, and the names of its six walls.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// A point or a vector in space; SI units as the field that holds it says.
+pub type Vec3 = nalgebra::Vector3<f64>;
+
+/// One of the six axis-aligned walls of the box.
+///
+/// The discriminant is the wall's index everywhere: in arrays of six, and
+/// (after the spheres) as a vertex of the triangulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u8)]
+pub enum WallId {
+    /// The wall at the smallest x.
+    XMin = 0,
+    /// The wall at the largest x.
+    XMax = 1,
+    /// The wall at the smallest y.
+    YMin = 2,
+    /// The wall at the largest y.
+    YMax = 3,
+    /// The wall at the smallest z.
+    ZMin = 4,
+    /// The wall at the largest z.
+    ZMax = 5,
+}
+
+impl WallId {
+    /// All walls, in the order of their indices.
+    pub const ALL: [WallId; 6] = [
+        WallId::XMin,
+        WallId::XMax,
+        WallId::YMin,
+        WallId::YMax,
+        WallId::ZMin,
+        WallId::ZMax,
+    ];
+
+    /// Index of the wall, 0 to 5.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Axis the wall is normal to: 0, 1 or 2.
+    pub const fn axis(self) -> usize {
+        self as usize / 2
+    }
+
+    /// True for the wall at the upper end of its axis.
+    pub const fn is_max(self) -> bool {
+        self as usize % 2 == 1
+    }
+
+    /// The wall at the other end of the same axis.
+    pub const fn opposite(self) -> WallId {
+        WallId::ALL[self as usize ^ 1]
+    }
+
+    /// Component of the inward normal along the wall's axis: +1 or -1.
+    pub const fn inward(self) -> f64 {
+        if self.is_max() { -1.0 } else { 1.0 }
+    }
+
+    /// Unit normal that points into the box.
+    pub fn inward_normal(self) -> Vec3 {
+        let mut n = Vec3::zeros();
+        n[self.axis()] = self.inward();
+        n
+    }
+
+    /// The wall's name in files and messages: `x_min` to `z_max`.
+    pub const fn name(self) -> &'static str {
+        ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max"][self as usize]
+    }
+}
+
+impl fmt::Display for WallId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A wall name that is none of the six.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown wall `{0}`; the walls are x_min, x_max, y_min, y_max, z_min, z_max")]
+pub struct UnknownWall(pub String);
+
+impl FromStr for WallId {
+    type Err = UnknownWall;
+
+    fn from_str(s: &str) -> Result<Self, Self::Err> {
+        WallId::ALL
+            .into_iter()
+            .find(|w| w.name() == s)
+            .ok_or_else(|| UnknownWall(s.to_owned()))
+    }
+}
+
+/// An axis-aligned box. Lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Aabb {
+    /// Corner with the smallest coordinates (m).
+    pub min: Vec3,
+    /// Corner with the largest coordinates (m).
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// Edge lengths (m).
+    pub fn size(&self) -> Vec3 {
+        self.max - self.min
+    }
+
+    /// Volume (m³).
+    pub fn volume(&self) -> f64 {
+        self.size().product()
+    }
+
+    /// Centre (m).
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// Coordinate of a wall's plane along the wall's axis (m).
+    pub fn wall(&self, wall: WallId) -> f64 {
+        if wall.is_max() { self.max[wall.axis()] } else { self.min[wall.axis()] }
+    }
+
+    /// Area of a wall (m²).
+    pub fn wall_area(&self, wall: WallId) -> f64 {
+        let size = self.size();
+        size[(wall.axis() + 1) % 3] * size[(wall.axis() + 2) % 3]
+    }
+
+    /// The tight box around spheres; `None` when there are none.
+    ///
+    /// ```
+    /// use dempfv::{Aabb, Vec3};
+    /// let b = Aabb::of_spheres(&[Vec3::new(1.0, 2.0, 3.0)], &[0.5]).unwrap();
+    /// assert_eq!(b.min, Vec3::new(0.5, 1.5, 2.5));
+    /// ```
+    pub fn of_spheres(position: &[Vec3], radius: &[f64]) -> Option<Aabb> {
+        position
+            .iter()
+            .zip(radius)
+            .map(|(x, &r)| Aabb { min: x.add_scalar(-r), max: x.add_scalar(r) })
+            .reduce(|a, b| Aabb { min: a.min.inf(&b.min), max: a.max.sup(&b.max) })
+    }
+}
