@@ -1,10 +1,29 @@
 //! Pore-scale finite volumes: the pore network of a packing and its flow.
+//!
+//! A [`Network`] is the regular triangulation of spheres and walls as flat
+//! arrays, with the throats' conductances. [`Operators`] holds the sparse
+//! matrices of the coupled problem: pressures follow from `G p = -E v + Q`
+//! (eqs. 5 to 7 of Caulk 2020) and the fluid's forces from `f = F p` (eq. 10).
+//! [`Flow`] joins both with a factorization.
+//!
+//! Walls are exact planes in every formula. Only the triangulation itself sees
+//! them as huge spheres.
 
-/// The pore network cannot be built or used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PfvError {
-    /// The triangulation failed.
-    #[error("triangulation: {0}")]
-    Triangulation(String),
-}
+mod clamp;
+mod error;
+mod fluid;
+
+mod frame;
+mod network;
+mod operators;
+mod pore;
+mod tessellation;
+mod throat;
+
+pub use clamp::Clamp;
+pub use error::PfvError;
+pub use fluid::{Boundary, Fluid};
+
+pub use network::{Network, Throats};
+pub use operators::Operators;
+pub use tessellation::{NONE, Tessellation};

@@ -1,0 +1,296 @@
+//! The sparse operators of the coupled problem, built once per remesh:
+//! `G` (conductances), `E` (pore volume rates) and `F` (forces).
+
+use rayon::prelude::*;
+
+use super::{Boundary, NONE, Network, PfvError};
+use crate::solver::SymmetricCsc;
+use crate::{Vec3, WallId};
+
+/// Below this many pores one thread is faster than handing work over.
+const SERIAL: usize = 16_384;
+/// Pores or spheres that one task takes.
+const TASK: usize = 4_096;
+
+/// `G`, `E` and `F` for one network and its boundary conditions.
+#[derive(Clone, Debug)]
+pub struct Operators {
+    /// Conductance matrix over the free pores (m³/(Pa·s)), lower triangle.
+    pub matrix: SymmetricCsc,
+    /// Pore of each unknown.
+    pub pore_of: Vec<u32>,
+    /// Unknown of each pore, or [`NONE`] where the pressure is imposed.
+    pub unknown_of: Vec<u32>,
+    /// Wall that imposes a pore's pressure, by its index; 6 for none.
+    imposed_by: Vec<u8>,
+    /// Inflow from pores with imposed pressure, per unknown (m³/s).
+    inflow: Vec<f64>,
+    boundary: Boundary,
+    volume: VolumeRate,
+    forces: Forces,
+}
+
+/// `E`: per pore the vertices and the volume's derivative.
+#[derive(Clone, Debug)]
+struct VolumeRate {
+    vertices: Vec<[u32; 4]>,
+    gradient: Vec<[Vec3; 4]>,
+}
+
+/// `F` by rows: for each sphere, then each wall, the pores that push it.
+#[derive(Clone, Debug)]
+struct Forces {
+    start: Vec<u32>,
+    pore: Vec<u32>,
+    push: Vec<Vec3>,
+}
+
+impl Operators {
+    /// Builds the operators of a network.
+    ///
+    /// # Errors
+    /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
+    pub fn new(network: &Network, boundary: Boundary) -> Result<Operators, PfvError> {
+        let imposed_by: Vec<u8> = network.tessellation.cells.iter().map(|&c| imposing_wall(network, &boundary, c)).collect();
+        let mut unknown_of = vec![NONE; network.pores()];
+        let mut pore_of = Vec::with_capacity(network.pores());
+        for (i, &wall) in imposed_by.iter().enumerate() {
+            if wall == 6 {
+                unknown_of[i] = pore_of.len() as u32;
+                pore_of.push(i as u32);
+            }
+        }
+        check_reach(network, &imposed_by)?;
+        let (matrix, inflow) = assemble(network, &boundary, &imposed_by, &unknown_of, &pore_of);
+        Ok(Operators {
+            matrix,
+            pore_of,
+            unknown_of,
+            imposed_by,
+            inflow,
+            boundary,
+            volume: VolumeRate {
+                vertices: network.tessellation.cells.clone(),
+                gradient: network.volume_gradient.clone(),
+            },
+            forces: Forces::new(network),
+        })
+    }
+
+    /// Number of unknown pressures.
+    pub fn unknowns(&self) -> usize {
+        self.pore_of.len()
+    }
+
+    /// Wall that imposes the pressure of a pore.
+    pub fn imposed(&self, pore: usize) -> Option<WallId> {
+        WallId::ALL.get(self.imposed_by[pore] as usize).copied()
+    }
+
+    /// `V̇ = E v`: the rate at which each pore grows (m³/s), from the velocities
+    /// of spheres and walls (m/s; a wall's along its axis).
+    pub fn volume_rate(&self, velocity: &[Vec3], wall_velocity: &[f64; 6], out: &mut [f64]) {
+        let spheres = velocity.len();
+        let rate = |i: usize| {
+            let mut sum = 0.0;
+            for (&v, g) in self.volume.vertices[i].iter().zip(&self.volume.gradient[i]) {
+                sum += match velocity.get(v as usize) {
+                    Some(u) => g.dot(u),
+                    None => {
+                        let wall = v as usize - spheres;
+                        g[wall / 2] * wall_velocity[wall]
+                    }
+                };
+            }
+            sum
+        };
+        for_each(out, &|i, v| *v = rate(i));
+    }
+
+    /// Right-hand side of the pressure equation, per unknown (m³/s):
+    /// `-V̇ + Q`, with the inflow from pores of imposed pressure.
+    pub fn right_hand_side(&self, volume_rate: &[f64], out: &mut [f64]) {
+        for_each(out, &|u, b| *b = self.inflow[u] - volume_rate[self.pore_of[u] as usize]);
+    }
+
+    /// Spreads the solution over all pores, imposed ones included (Pa).
+    pub fn pressures(&self, solution: &[f64], out: &mut [f64]) {
+        for_each(out, &|i, p| {
+            *p = match self.unknown_of[i] {
+                NONE => self.boundary.pressure[self.imposed_by[i] as usize].unwrap_or(0.0),
+                u => solution[u as usize],
+            }
+        });
+    }
+
+    /// `f = F p`: the fluid's force on each sphere and each wall (N).
+    pub fn forces(&self, pressure: &[f64], spheres: &mut [Vec3], walls: &mut [Vec3; 6]) {
+        let n = spheres.len();
+        for_each(spheres, &|i, f| *f = self.forces.row(i, pressure));
+        for (w, f) in walls.iter_mut().enumerate() {
+            *f = self.forces.row(n + w, pressure);
+        }
+    }
+
+    /// Flux through each wall, positive into the box (m³/s): what leaves the
+    /// wall's pores for others, plus what these pores swallow by growing.
+    pub fn flux(&self, network: &Network, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
+        let mut flux = [0.0; 6];
+        for (i, &wall) in self.imposed_by.iter().enumerate() {
+            if wall < 6 {
+                flux[wall as usize] += volume_rate[i];
+            }
+        }
+        for ([i, j], g) in network.throats.pores.iter().map(|p| p.map(|p| p as usize)).zip(&network.throats.conductance) {
+            let flow = g * (pressure[i] - pressure[j]);
+            for (pore, out) in [(i, flow), (j, -flow)] {
+                if let Some(sum) = flux.get_mut(self.imposed_by[pore] as usize) {
+                    *sum += out;
+                }
+            }
+        }
+        flux
+    }
+}
+
+impl Forces {
+    fn new(network: &Network) -> Forces {
+        let cells = &network.tessellation.cells;
+        let rows = network.tessellation.spheres + 6;
+        let mut start = vec![0u32; rows + 1];
+        for &v in cells.as_flattened() {
+            start[v as usize + 1] += 1;
+        }
+        for row in 0..rows {
+            start[row + 1] += start[row];
+        }
+        let mut next = start.clone();
+        let mut pore = vec![0; cells.len() * 4];
+        let mut push = vec![Vec3::zeros(); cells.len() * 4];
+        for (i, (cell, forces)) in cells.iter().zip(&network.push).enumerate() {
+            for (&v, &f) in cell.iter().zip(forces) {
+                let at = next[v as usize] as usize;
+                next[v as usize] += 1;
+                pore[at] = i as u32;
+                push[at] = f;
+            }
+        }
+        Forces { start, pore, push }
+    }
+
+    fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
+        let range = self.start[row] as usize..self.start[row + 1] as usize;
+        let pores = &self.pore[range.clone()];
+        pores.iter().zip(&self.push[range]).fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
+    }
+}
+
+/// Calls a function for each entry of an array, on several threads if the
+/// array is long enough to pay for it.
+fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
+    if out.len() < SERIAL {
+        out.iter_mut().enumerate().for_each(|(i, v)| set(i, v));
+    } else {
+        out.par_chunks_mut(TASK).enumerate().for_each(|(task, chunk)| {
+            chunk.iter_mut().enumerate().for_each(|(k, v)| set(task * TASK + k, v));
+        });
+    }
+}
+
+/// The wall that imposes a cell's pressure; of several the last, as in YADE.
+fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u8 {
+    let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
+    walls.filter(|w| boundary.pressure[w.index()].is_some()).map(|w| w.index() as u8).max().unwrap_or(6)
+}
+
+/// Every free pore must reach one with an imposed pressure through throats
+/// that conduct; otherwise its pressure is undetermined.
+fn check_reach(network: &Network, imposed_by: &[u8]) -> Result<(), PfvError> {
+    let mut reached: Vec<bool> = imposed_by.iter().map(|&w| w < 6).collect();
+    let mut todo: Vec<u32> = (0..reached.len() as u32).filter(|&i| reached[i as usize]).collect();
+    while let Some(i) = todo.pop() {
+        let around = network.tessellation.neighbors[i as usize];
+        for (j, g) in around.into_iter().zip(network.conductances_of(i as usize)) {
+            if j != NONE && g > 0.0 && !reached[j as usize] {
+                reached[j as usize] = true;
+                todo.push(j);
+            }
+        }
+    }
+    match reached.iter().position(|&r| !r) {
+        None => Ok(()),
+        Some(pore) => Err(PfvError::IsolatedPore {
+            pore: pore as u32,
+            vertices: network.tessellation.cell_name(pore as u32),
+            others: reached.iter().filter(|&&r| !r).count() - 1,
+        }),
+    }
+}
+
+fn assemble(
+    network: &Network,
+    boundary: &Boundary,
+    imposed_by: &[u8],
+    unknown_of: &[u32],
+    pore_of: &[u32],
+) -> (SymmetricCsc, Vec<f64>) {
+    let columns: Vec<Column> = pore_of
+        .par_iter()
+        .enumerate()
+        .map(|(u, &i)| Column::new(network, boundary, imposed_by, unknown_of, u as u32, i as usize))
+        .collect();
+    let mut col_ptr = Vec::with_capacity(columns.len() + 1);
+    let entries: usize = columns.iter().map(|c| c.count + 1).sum();
+    let (mut row_idx, mut values) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
+    for (u, column) in columns.iter().enumerate() {
+        col_ptr.push(row_idx.len() as i64);
+        row_idx.push(u as i64);
+        values.push(column.diagonal);
+        for &(row, g) in &column.below[..column.count] {
+            row_idx.push(i64::from(row));
+            values.push(-g);
+        }
+    }
+    col_ptr.push(row_idx.len() as i64);
+    let inflow = columns.iter().map(|c| c.inflow).collect();
+    (SymmetricCsc { n: columns.len(), col_ptr, row_idx, values }, inflow)
+}
+
+/// One column of `G`: at most four neighbours.
+struct Column {
+    diagonal: f64,
+    inflow: f64,
+    below: [(u32, f64); 4],
+    count: usize,
+}
+
+impl Column {
+    fn new(network: &Network, boundary: &Boundary, imposed_by: &[u8], unknown_of: &[u32], u: u32, i: usize) -> Column {
+        let mut column = Column { diagonal: 0.0, inflow: 0.0, below: [(0, 0.0); 4], count: 0 };
+        for (j, g) in network.tessellation.neighbors[i].into_iter().zip(network.conductances_of(i)) {
+            if j == NONE {
+                continue;
+            }
+            column.diagonal += g;
+            let wall = imposed_by[j as usize] as usize;
+            if let Some(p) = boundary.pressure.get(wall).copied().flatten() {
+                column.inflow += g * p;
+            } else if unknown_of[j as usize] > u {
+                column.add(unknown_of[j as usize], g);
+            }
+        }
+        column.below[..column.count].sort_unstable_by_key(|(row, _)| *row);
+        column
+    }
+
+    /// Two pores may share more than one facet.
+    fn add(&mut self, row: u32, g: f64) {
+        let here = self.below[..self.count].iter_mut().find(|(r, _)| *r == row);
+        if let Some((_, sum)) = here {
+            *sum += g;
+        } else {
+            self.below[self.count] = (row, g);
+            self.count += 1;
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! From spheres and walls to cells: the only place where a wall is a sphere.
+
+use rayon::prelude::*;
+
+use super::PfvError;
+use super::frame::Frame;
+use crate::WallId;
+
+/// In neighbour lists: nothing lies there.
+pub const NONE: u32 = u32::MAX;
+
+/// Radius of the sphere that stands in for a wall, in units of the largest box
+/// edge. YADE uses the same, so that both find the same cells.
+const WALL_RADIUS: f64 = 50_000.0;
+
+/// The regular triangulation of spheres and walls: the finite tetrahedra.
+///
+/// Vertices `0..n` are the spheres, `n..n + 6` the walls in the order of
+/// [`WallId::ALL`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tessellation {
+    /// Number of spheres `n`.
+    pub spheres: usize,
+    /// Vertices of each cell, positively oriented; cells in spatial order.
+    pub cells: Vec<[u32; 4]>,
+    /// Per cell and vertex the cell across the opposite facet, or [`NONE`].
+    pub neighbors: Vec<[u32; 4]>,
+    /// Spheres whose power cell is empty: they are no vertex of any pore.
+    pub hidden: Vec<u32>,
+}
+
+impl Tessellation {
+    /// Triangulates the spheres and the six walls of the frame.
+    pub(super) fn new(frame: &Frame) -> Result<Self, PfvError> {
+        let spheres = frame.spheres();
+        if spheres == 0 {
+            return Err(PfvError::NoSpheres);
+        }
+        let raw = cgal_sys::triangulate(&weighted_points(frame))
+            .map_err(|e| PfvError::Triangulation { spheres, reason: e.to_string() })?;
+        let order = spatial_order(&raw.cells, frame);
+        let mut rank = vec![0u32; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            rank[old as usize] = new as u32;
+        }
+        let renumber = |c: u32| if c == NONE { NONE } else { rank[c as usize] };
+        Ok(Tessellation {
+            spheres,
+            cells: order.par_iter().map(|&c| raw.cells[c as usize]).collect(),
+            neighbors: order.par_iter().map(|&c| raw.neighbors[c as usize].map(renumber)).collect(),
+            hidden: raw.hidden,
+        })
+    }
+
+    /// A vertex's name: the sphere's number or the wall's name.
+    pub fn vertex_name(&self, vertex: u32) -> String {
+        match self.wall(vertex) {
+            Some(wall) => wall.name().to_owned(),
+            None => vertex.to_string(),
+        }
+    }
+
+    /// The wall that a vertex stands for, if it is one.
+    pub fn wall(&self, vertex: u32) -> Option<WallId> {
+        (vertex as usize).checked_sub(self.spheres).and_then(|w| WallId::ALL.get(w).copied())
+    }
+
+    /// The names of a cell's vertices, for messages.
+    pub fn cell_name(&self, cell: u32) -> String {
+        self.cells[cell as usize].map(|v| self.vertex_name(v)).join(", ")
+    }
+}
+
+fn weighted_points(frame: &Frame) -> Vec<[f64; 4]> {
+    let big = WALL_RADIUS * frame.size.max();
+    let middle = 0.5 * frame.size;
+    let spheres = frame.x.iter().zip(frame.r).map(|(x, r)| [x.x, x.y, x.z, r * r]);
+    let walls = WallId::ALL.map(|wall| {
+        let mut c = middle;
+        c[wall.axis()] = frame.plane(wall) - wall.inward() * big;
+        [c.x, c.y, c.z, big * big]
+    });
+    spheres.chain(walls).collect()
+}
+
+/// Cells sorted along a Morton curve through the centroids of their spheres.
+fn spatial_order(cells: &[[u32; 4]], frame: &Frame) -> Vec<u32> {
+    let scale = frame.size.map(|s| f64::from(1u32 << 21) / s);
+    let mut keyed: Vec<(u64, u32)> = (0..cells.len() as u32)
+        .into_par_iter()
+        .map(|c| {
+            let spheres = cells[c as usize].iter().filter_map(|&v| frame.x.get(v as usize));
+            let (sum, count) = spheres.fold((crate::Vec3::zeros(), 0.0), |(s, k), x| (s + x, k + 1.0));
+            let at = (sum / f64::max(count, 1.0)).component_mul(&scale);
+            let key = (0..3).map(|a| spread(at[a] as u64) << a).fold(0, |k, bits| k | bits);
+            (key, c)
+        })
+        .collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|(_, c)| c).collect()
+}
+
+/// Moves the lowest 21 bits of a number three places apart.
+fn spread(v: u64) -> u64 {
+    let mut v = v.min((1 << 21) - 1);
+    v = (v | v << 32) & 0x001f_0000_0000_ffff;
+    v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+    v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+    v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+    (v | v << 2) & 0x1249_2492_4924_9249
+}

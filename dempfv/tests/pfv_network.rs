@@ -1,0 +1,196 @@
+//! The pore network: volumes, conductances and operators against geometry.
+
+mod common;
+
+use common::{Random, Spheres, cubic, face_centred, settled, unit_box};
+use dempfv::pfv::{Boundary, Clamp, Fluid, NONE, Network, Operators, PfvError};
+use dempfv::{Aabb, Vec3, WallId};
+
+const DRAINED_TOP: Fluid = Fluid {
+    viscosity: 1e-3,
+    slip_walls: true,
+    clamp: Clamp::None,
+    boundary: Boundary { pressure: [None, None, None, Some(0.0), None, None] },
+};
+
+fn network(s: &Spheres) -> Network {
+    Network::new(&s.x, &s.r, s.bounds, &DRAINED_TOP).unwrap()
+}
+
+/// A loose random packing in a box that is no cube and not at the origin.
+fn loose() -> Spheres {
+    let mut random = Random(3);
+    let bounds = Aabb { min: Vec3::new(-1.0, 2.0, 0.5), max: Vec3::new(1.0, 3.0, 2.0) };
+    let x = (0..150).map(|_| bounds.center() + 0.42 * random.vector().component_mul(&bounds.size())).collect();
+    let r = (0..150).map(|_| 0.02 + 0.04 * random.next()).collect();
+    Spheres { x, r, bounds }
+}
+
+fn few(count: usize) -> Spheres {
+    let x = vec![Vec3::new(0.3, 0.4, 0.6), Vec3::new(0.7, 0.5, 0.4)];
+    Spheres { x: x[..count].to_vec(), r: vec![0.2, 0.1][..count].to_vec(), bounds: unit_box(1.0) }
+}
+
+fn wall_vertices(n: &Network, pore: usize) -> usize {
+    n.tessellation.cells[pore].iter().filter(|&&v| n.tessellation.wall(v).is_some()).count()
+}
+
+/// Tetrahedra, prisms, wedges and corner boxes fill the box: their signed
+/// volumes add up to it exactly, so to round-off (1e-12).
+#[test]
+fn pore_volumes_add_up_to_the_box() {
+    for s in [settled(), loose(), cubic(4, 0.0), cubic(4, 1e-6), face_centred(3, 0.0), few(1), few(2)] {
+        let n = network(&s);
+        let sum: f64 = n.volume.iter().sum();
+        assert!((sum / s.bounds.volume() - 1.0).abs() < 1e-12, "{} spheres: {sum}", s.x.len());
+        assert!(n.volume.iter().all(|&v| v > 0.0));
+    }
+}
+
+/// The cells that YADE 2023.02a finds for the same packing: 5,685, eight of
+/// them in the corners.
+#[test]
+fn the_settled_packing_has_the_known_pores() {
+    let n = network(&settled());
+    let count = |walls| (0..n.pores()).filter(|&i| wall_vertices(&n, i) == walls).count();
+    assert_eq!([count(0), count(1), count(2), count(3)], [4651, 932, 94, 8]);
+    assert_eq!(n.pores(), 5685);
+}
+
+/// Centres have equal power to all spheres of the pore and lie on its walls
+/// (the definition), to round-off in units of the box.
+#[test]
+fn centres_have_equal_power() {
+    let s = loose();
+    let n = network(&s);
+    for (i, cell) in n.tessellation.cells.iter().enumerate() {
+        let c = n.center[i];
+        let mut powers = vec![];
+        for &v in cell {
+            match n.tessellation.wall(v) {
+                Some(w) => assert!((c[w.axis()] - s.bounds.wall(w)).abs() < 1e-12 * (1.0 + c.norm())),
+                None => powers.push((c - s.x[v as usize]).norm_squared() - s.r[v as usize].powi(2)),
+            }
+        }
+        let scale = 1.0 + c.norm_squared();
+        assert!(powers.iter().all(|p| (p - powers[0]).abs() < 1e-9 * scale), "pore {i}: {powers:?}");
+    }
+}
+
+/// `V̇ = E v` against central differences of the volumes of the same cells, for
+/// pores with 0, 1, 2 and 3 walls; walls move too. Volumes are cubic in the
+/// motion, so a central difference over h is off by h² relative: 1e-6 holds
+/// with a wide margin at h = 1e-5 of the sphere spacing.
+#[test]
+fn volume_rates_are_derivatives_of_the_volumes() {
+    for s in [settled(), loose()] {
+        let n = network(&s);
+        let o = Operators::new(&n, DRAINED_TOP.boundary).unwrap();
+        let mut random = Random(5);
+        let speed = (s.bounds.volume() / s.x.len() as f64).cbrt();
+        let v: Vec<Vec3> = s.x.iter().map(|_| speed * random.vector()).collect();
+        let wall_v: [f64; 6] = std::array::from_fn(|_| speed * (2.0 * random.next() - 1.0));
+        let mut rate = vec![0.0; n.pores()];
+        o.volume_rate(&v, &wall_v, &mut rate);
+        let h = 1e-5;
+        let moved = |t: f64| {
+            let x: Vec<Vec3> = s.x.iter().zip(&v).map(|(x, v)| x + t * v).collect();
+            let mut b = s.bounds;
+            for w in WallId::ALL {
+                let side = if w.is_max() { &mut b.max } else { &mut b.min };
+                side[w.axis()] += t * wall_v[w.index()];
+            }
+            n.volumes_at(&x, &b)
+        };
+        let (before, after) = (moved(-h), moved(h));
+        let mut seen = [0; 4];
+        for i in 0..n.pores() {
+            let numeric = (after[i] - before[i]) / (2.0 * h);
+            // Rates of single pores can cancel: measure against the pore's size.
+            let scale = rate[i].abs().max(n.volume[i]);
+            assert!((numeric - rate[i]).abs() < 1e-6 * scale, "pore {i}: {numeric:e} against {:e}", rate[i]);
+            seen[wall_vertices(&n, i)] += 1;
+        }
+        assert!(seen.iter().all(|&k| k > 0), "{seen:?}");
+    }
+}
+
+/// The matrix, read entry by entry from both of a throat's pores, is exactly
+/// symmetric, and its rows add up to what flows to imposed pressures.
+#[test]
+fn the_conductance_matrix_is_symmetric_and_balanced() {
+    let n = network(&settled());
+    let o = Operators::new(&n, DRAINED_TOP.boundary).unwrap();
+    let find = |i: usize, j: usize| n.tessellation.neighbors[i].iter().position(|&k| k as usize == j);
+    let mut entries = 0;
+    for (u, &i) in o.pore_of.iter().enumerate() {
+        let range = o.matrix.col_ptr[u] as usize..o.matrix.col_ptr[u + 1] as usize;
+        let rows = &o.matrix.row_idx[range.clone()];
+        assert_eq!(rows[0] as usize, u);
+        assert!(rows.is_sorted());
+        for (&row, &value) in rows[1..].iter().zip(&o.matrix.values[range][1..]) {
+            let j = o.pore_of[row as usize] as usize;
+            let (i, entry) = (i as usize, -value);
+            assert_eq!(n.conductances_of(i)[find(i, j).unwrap()].to_bits(), entry.to_bits());
+            assert_eq!(n.conductances_of(j)[find(j, i).unwrap()].to_bits(), entry.to_bits());
+            entries += 1;
+        }
+    }
+    let both_free = |p: &&[u32; 2]| p.iter().all(|&p| o.unknown_of[p as usize] != NONE);
+    assert_eq!(entries, n.throats.pores.iter().filter(both_free).count());
+}
+
+/// A uniform pressure pushes no sphere (its throats' forces cancel in pairs),
+/// and pushes each wall with p times its area; 1e-12 of p·r².
+#[test]
+fn a_uniform_pressure_pushes_only_walls() {
+    for s in [settled(), loose(), cubic(3, 1e-6), few(2)] {
+        for slip_walls in [true, false] {
+            let fluid = Fluid { slip_walls, ..DRAINED_TOP };
+            let n = Network::new(&s.x, &s.r, s.bounds, &fluid).unwrap();
+            let o = Operators::new(&n, fluid.boundary).unwrap();
+            let p = 3.0;
+            let (mut force, mut wall) = (vec![Vec3::zeros(); s.x.len()], [Vec3::zeros(); 6]);
+            o.forces(&vec![p; n.pores()], &mut force, &mut wall);
+            for (i, f) in force.iter().enumerate() {
+                assert!(f.norm() < 1e-12 * p * s.r[i].powi(2), "sphere {i}: {f:?}");
+            }
+            for w in WallId::ALL {
+                let expected = -p * s.bounds.wall_area(w) * w.inward_normal();
+                assert!((wall[w.index()] - expected).norm() < 1e-12 * expected.norm(), "{w}");
+            }
+        }
+    }
+}
+
+/// A sphere inside the power cell of larger ones is no vertex: it is named,
+/// and the pores are those of the packing without it.
+#[test]
+fn a_hidden_sphere_is_named() {
+    let mut s = cubic(3, 1e-3);
+    s.r.iter_mut().for_each(|r| *r *= 1.4);
+    let without = network(&s);
+    s.x.push(s.x[13] + Vec3::new(0.3, 0.1, 0.2));
+    s.r.push(0.01);
+    let n = network(&s);
+    assert_eq!(n.tessellation.hidden, [27]);
+    assert_eq!(n.pores(), without.pores());
+}
+
+/// Without any imposed pressure no pore has a determined one.
+#[test]
+fn an_isolated_pore_is_named() {
+    let s = few(1);
+    let closed = Fluid { boundary: Boundary::default(), ..DRAINED_TOP };
+    let n = Network::new(&s.x, &s.r, s.bounds, &closed).unwrap();
+    let error = Operators::new(&n, closed.boundary).unwrap_err();
+    assert!(matches!(error, PfvError::IsolatedPore { pore: 0, others: 7, .. }), "{error}");
+}
+
+/// No spheres and coordinates that are no numbers are errors and not panics.
+#[test]
+fn impossible_packings_are_errors() {
+    assert_eq!(Network::new(&[], &[], unit_box(1.0), &DRAINED_TOP).unwrap_err(), PfvError::NoSpheres);
+    let nan = Network::new(&[Vec3::repeat(f64::NAN)], &[0.1], unit_box(1.0), &DRAINED_TOP);
+    assert!(matches!(nan, Err(PfvError::Triangulation { .. })), "{nan:?}");
+}
