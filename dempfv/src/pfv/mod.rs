@@ -11,6 +11,7 @@
 
 mod clamp;
 mod error;
+mod flow;
 mod fluid;
 
 mod frame;
@@ -22,6 +23,7 @@ mod throat;
 
 pub use clamp::Clamp;
 pub use error::PfvError;
+pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 
 pub use network::{Network, Throats};

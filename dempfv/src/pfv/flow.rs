@@ -1,0 +1,193 @@
+//! The flow through one network: operators, factor and the current pressures.
+
+use super::{Fluid, Network, Operators, PfvError};
+use crate::solver::{Factor, SolverKind};
+use crate::{Aabb, Result, Vec3, WallId};
+
+/// Pore pressures of a packing, and the fluid's forces on it.
+///
+/// ```
+/// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
+/// use dempfv::solver::SolverKind;
+/// use dempfv::{Aabb, Vec3, WallId};
+///
+/// // One sphere in a box, 1 Pa at the bottom and 0 at the top.
+/// let mut boundary = Boundary::default();
+/// boundary.pressure[WallId::YMin.index()] = Some(1.0);
+/// boundary.pressure[WallId::YMax.index()] = Some(0.0);
+/// let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
+/// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
+/// let mut flow = Flow::new(&[Vec3::repeat(0.5)], &[0.4], bounds, &fluid, SolverKind::default())?;
+/// flow.solve_static()?;
+/// assert!(flow.force()[0].y > 0.0);
+/// # Ok::<(), dempfv::Error>(())
+/// ```
+pub struct Flow {
+    /// The pore network.
+    pub network: Network,
+    /// Its operators.
+    pub operators: Operators,
+    /// `None` when every pore has an imposed pressure.
+    factor: Option<Box<dyn Factor>>,
+    residual: Option<f64>,
+    rhs: Vec<f64>,
+    solution: Vec<f64>,
+    pressure: Vec<f64>,
+    volume_rate: Vec<f64>,
+    force: Vec<Vec3>,
+    wall_force: [Vec3; 6],
+}
+
+/// A measured permeability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Permeability {
+    /// Intrinsic permeability `k = Q μ L / (A Δp)` (m²).
+    pub value: f64,
+    /// Flux along the axis (m³/s).
+    pub flux: f64,
+    /// What enters less what leaves, relative to the flux (1).
+    pub imbalance: f64,
+}
+
+impl Flow {
+    /// Builds the network of a packing and factors its conductance matrix.
+    ///
+    /// # Errors
+    /// As [`Network::new`] and [`Operators::new`], and when the factorization
+    /// fails.
+    pub fn new(position: &[Vec3], radius: &[f64], bounds: Aabb, fluid: &Fluid, solver: SolverKind) -> Result<Flow> {
+        let network = Network::new(position, radius, bounds, fluid)?;
+        let operators = Operators::new(&network, fluid.boundary)?;
+        let (pores, unknowns) = (network.pores(), operators.unknowns());
+        let factor = match unknowns {
+            0 => None,
+            _ => {
+                let places: Vec<[f64; 3]> =
+                    operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
+                Some(solver.backend().analyze(&operators.matrix, Some(&places))?.factor(&operators.matrix)?)
+            }
+        };
+        Ok(Flow {
+            network,
+            operators,
+            factor,
+            residual: None,
+            rhs: vec![0.0; unknowns],
+            solution: vec![0.0; unknowns],
+            pressure: vec![0.0; pores],
+            volume_rate: vec![0.0; pores],
+            force: vec![Vec3::zeros(); position.len()],
+            wall_force: [Vec3::zeros(); 6],
+        })
+    }
+
+    /// Pressures and forces for moving spheres and walls (eqs. 5 to 10 of
+    /// Caulk 2020): velocities in m/s, a wall's along its axis.
+    ///
+    /// # Errors
+    /// When a solve fails, the first residual after a factorization is too
+    /// large, or a pressure is not finite.
+    pub fn solve(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) -> Result<()> {
+        self.update_volume_rate(velocity, wall_velocity);
+        self.update_pressure()?;
+        self.update_force();
+        Ok(())
+    }
+
+    /// Pressures and forces for spheres and walls at rest.
+    ///
+    /// # Errors
+    /// As [`Flow::solve`].
+    pub fn solve_static(&mut self) -> Result<()> {
+        self.volume_rate.fill(0.0);
+        self.update_pressure()?;
+        self.update_force();
+        Ok(())
+    }
+
+    /// First third of [`Flow::solve`]: `V̇ = E v`.
+    pub fn update_volume_rate(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) {
+        self.operators.volume_rate(velocity, wall_velocity, &mut self.volume_rate);
+    }
+
+    /// Second third of [`Flow::solve`]: `G p = -V̇ + Q`.
+    ///
+    /// # Errors
+    /// As [`Flow::solve`].
+    pub fn update_pressure(&mut self) -> Result<()> {
+        self.operators.right_hand_side(&self.volume_rate, &mut self.rhs);
+        if let Some(factor) = &mut self.factor {
+            if self.residual.is_none() {
+                let residual = factor.solve_checked(&self.operators.matrix, &self.rhs, &mut self.solution)?;
+                self.residual = Some(residual);
+            } else {
+                factor.solve(&self.rhs, &mut self.solution)?;
+            }
+        }
+        self.operators.pressures(&self.solution, &mut self.pressure);
+        match self.pressure.iter().position(|p| !p.is_finite()) {
+            None => Ok(()),
+            Some(pore) => Err(PfvError::PressureNotFinite { pore: pore as u32 }.into()),
+        }
+    }
+
+    /// Last third of [`Flow::solve`]: `f = F p`.
+    pub fn update_force(&mut self) {
+        self.operators.forces(&self.pressure, &mut self.force, &mut self.wall_force);
+    }
+
+    /// Pressure of each pore (Pa).
+    pub fn pressure(&self) -> &[f64] {
+        &self.pressure
+    }
+
+    /// Rate at which each pore grows (m³/s).
+    pub fn volume_rate(&self) -> &[f64] {
+        &self.volume_rate
+    }
+
+    /// The fluid's force on each sphere (N).
+    pub fn force(&self) -> &[Vec3] {
+        &self.force
+    }
+
+    /// The fluid's force on each wall (N).
+    pub fn wall_force(&self) -> &[Vec3; 6] {
+        &self.wall_force
+    }
+
+    /// Flux through each wall, positive into the box (m³/s).
+    pub fn flux(&self) -> [f64; 6] {
+        self.operators.flux(&self.network, &self.pressure, &self.volume_rate)
+    }
+
+    /// Residual of the first solve after the factorization; `None` before it.
+    pub fn residual(&self) -> Option<f64> {
+        self.residual
+    }
+
+    /// Number of entries of the factor; 0 when nothing is unknown.
+    pub fn nnz_l(&self) -> u64 {
+        self.factor.as_ref().map_or(0, |f| f.analysis().nnz_l)
+    }
+
+    /// Permeability between two walls with imposed pressures, from the current
+    /// pressures. `None` unless `wall` and the opposite wall, and no other,
+    /// have imposed pressures and these differ.
+    pub fn permeability(&self, wall: WallId, fluid: &Fluid) -> Option<Permeability> {
+        let imposed = &fluid.boundary.pressure;
+        let drop = imposed[wall.index()]? - imposed[wall.opposite().index()]?;
+        if drop == 0.0 || imposed.iter().flatten().count() != 2 {
+            return None;
+        }
+        let flux = self.flux();
+        let (entering, leaving) = (flux[wall.index()], -flux[wall.opposite().index()]);
+        let bounds = &self.network.bounds;
+        let length = bounds.size()[wall.axis()];
+        Some(Permeability {
+            value: entering * fluid.viscosity * length / (bounds.wall_area(wall) * drop),
+            flux: entering,
+            imbalance: (entering - leaving).abs() / entering.abs(),
+        })
+    }
+}
