@@ -4,5 +4,7 @@
 //! it ([`atomic`]), so a reader never meets half a file.
 
 pub mod atomic;
+pub mod checkpoint;
 pub mod history;
 pub mod packing;
+pub mod vtk;
