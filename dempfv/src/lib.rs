@@ -14,6 +14,7 @@ pub mod io;
 pub mod pfv;
 pub mod scene;
 pub mod solver;
+pub mod theory;
 
 pub use domain::{Aabb, UnknownWall, Vec3, WallId};
 pub use error::{Error, InputError, Result};

@@ -1,1 +1,10 @@
-//! Placeholder, replaced by the next commits.
+//! Files: packings, the history of a run, results for ParaView, checkpoints.
+//!
+//! Whatever is written in one go is written beside its place and renamed into
+//! it ([`atomic`]), so a reader never meets half a file.
+
+pub mod atomic;
+pub mod checkpoint;
+pub mod history;
+pub mod packing;
+pub mod vtk;

@@ -1,0 +1,120 @@
+//! Files that appear whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::{Error, Result};
+
+/// A file that is written beside its place and takes it on
+/// [`commit`](AtomicFile::commit); dropped before that, it leaves nothing
+/// behind and the old file, if any, as it was.
+///
+/// ```
+/// use std::io::Write;
+/// use dempfv::io::atomic::AtomicFile;
+/// let folder = std::env::temp_dir().join("dempfv-doc-atomic");
+/// std::fs::create_dir_all(&folder).unwrap();
+/// let path = folder.join("answer.txt");
+/// let mut file = AtomicFile::create(&path)?;
+/// file.write_all(b"42").unwrap();
+/// file.commit()?;
+/// assert_eq!(std::fs::read(&path).unwrap(), b"42");
+/// # std::fs::remove_dir_all(&folder).unwrap();
+/// # Ok::<(), dempfv::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct AtomicFile {
+    writer: BufWriter<File>,
+    path: PathBuf,
+    temporary: Temporary,
+}
+
+impl AtomicFile {
+    /// Opens a temporary file in the folder of `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the folder is missing or not writable.
+    pub fn create(path: &Path) -> Result<Self> {
+        let temporary = Temporary(temporary_name(path));
+        let file = File::create(&temporary.0).map_err(|e| Error::io(path, e))?;
+        let writer = BufWriter::with_capacity(1 << 18, file);
+        Ok(AtomicFile { writer, path: path.to_owned(), temporary })
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the rest cannot be written (a full disk) or the file
+    /// cannot be renamed; then nothing of it remains.
+    pub fn commit(self) -> Result<()> {
+        self.finish(false)
+    }
+
+    /// Like [`commit`](AtomicFile::commit), after the disk has confirmed the
+    /// data: what was there before is given up only for something that
+    /// survives a power cut.
+    ///
+    /// # Errors
+    /// As [`commit`](AtomicFile::commit).
+    pub fn commit_durably(self) -> Result<()> {
+        self.finish(true)
+    }
+
+    fn finish(mut self, durably: bool) -> Result<()> {
+        let io = |e| Error::io(&self.path, e);
+        self.writer.flush().map_err(io)?;
+        if durably {
+            self.writer.get_ref().sync_all().map_err(io)?;
+        }
+        fs::rename(&self.temporary.0, &self.path).map_err(io)
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// Writes `contents` to `path`, whole or not at all.
+///
+/// # Errors
+/// [`Error::Io`], as [`AtomicFile`].
+pub fn write(path: &Path, contents: &[u8]) -> Result<()> {
+    write_with(path, |file| file.write_all(contents))
+}
+
+/// Writes to `path` what `fill` writes, whole or not at all.
+///
+/// # Errors
+/// [`Error::Io`], as [`AtomicFile`], and what `fill` returns.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> Result<()> {
+    let mut file = AtomicFile::create(path)?;
+    fill(&mut file).map_err(|e| Error::io(path, e))?;
+    file.commit()
+}
+
+/// Removes its file when dropped; after the rename there is none to remove.
+#[derive(Debug)]
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+/// A name in the same folder (a rename must not cross file systems) that no
+/// other writer of this or another process uses.
+fn temporary_name(path: &Path) -> PathBuf {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let serial = NEXT.fetch_add(1, Ordering::Relaxed);
+    path.with_file_name(format!(".{name}.{}-{serial}.tmp", std::process::id()))
+}

@@ -1,0 +1,216 @@
+//! The history of a run: a CSV table that grows while the run goes on.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::{Error, InputError, Result};
+
+/// Rows reach the file at least this often (and when the table is dropped).
+const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// Bytes of rows kept before they are written whatever the time.
+const FLUSH_BYTES: usize = 1 << 16;
+
+/// One cell of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// A number, written with the shortest decimals that read back to the
+    /// same bits; NaN and infinities as `NaN`, `inf`, `-inf`.
+    Float(f64),
+    /// A count.
+    Count(u64),
+    /// A name. Commas, quotes and line breaks become blanks, so that any
+    /// reader may split lines at commas.
+    Text(&'a str),
+}
+
+impl From<f64> for Value<'_> {
+    fn from(value: f64) -> Self {
+        Value::Float(value)
+    }
+}
+
+impl From<u64> for Value<'_> {
+    fn from(value: u64) -> Self {
+        Value::Count(value)
+    }
+}
+
+impl<'a> From<&'a str> for Value<'a> {
+    fn from(value: &'a str) -> Self {
+        Value::Text(value)
+    }
+}
+
+/// Writes `history.csv`: a header, then one row at a time. The file can be
+/// read while the run goes on, holds whole rows only, and keeps what it has
+/// if the run dies.
+///
+/// ```
+/// use dempfv::io::history::History;
+/// let path = std::env::temp_dir().join("dempfv-doc-history.csv");
+/// let mut history = History::create(&path, &["step", "time_s", "stage"])?;
+/// history.row(&[7_u64.into(), 0.5.into(), "load".into()])?;
+/// drop(history);
+/// assert_eq!(std::fs::read_to_string(&path).unwrap(), "step,time_s,stage\n7,0.5,load\n");
+/// # std::fs::remove_file(&path).unwrap();
+/// # Ok::<(), dempfv::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct History {
+    file: File,
+    path: PathBuf,
+    columns: usize,
+    pending: Vec<u8>,
+    flushed: Instant,
+}
+
+impl History {
+    /// Starts a table; an existing file is replaced. A column's name ends in
+    /// its unit where it has one (`time_s`, `wall_stress_y_max_pa`).
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the file cannot be written.
+    pub fn create(path: &Path, columns: &[&str]) -> Result<History> {
+        let file = File::create(path).map_err(|e| Error::io(path, e))?;
+        let mut history = History::on(file, path, columns.len());
+        history.pending.extend_from_slice(&header(columns));
+        history.flush()?;
+        Ok(history)
+    }
+
+    /// Goes on with the table of an earlier run: drops a torn last line and
+    /// all rows whose `step_column` is above `last_step` (they were written
+    /// after the checkpoint that the run restarts from), then appends. Starts
+    /// the table if there is no file.
+    ///
+    /// # Errors
+    /// [`InputError`] when the file's columns are not these or a row has no
+    /// step; [`Error::Io`] when the file cannot be read or written.
+    pub fn resume(
+        path: &Path,
+        columns: &[&str],
+        step_column: &str,
+        last_step: u64,
+    ) -> Result<History> {
+        let mut file = match OpenOptions::new().read(true).write(true).open(path) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                return History::create(path, columns);
+            }
+            other => other.map_err(|e| Error::io(path, e))?,
+        };
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(|e| Error::io(path, e))?;
+        let keep = length_up_to(&text, columns, step_column, last_step)
+            .map_err(|e| e.in_file(path))?;
+        file.set_len(keep as u64)
+            .and_then(|()| file.seek(SeekFrom::End(0)))
+            .map_err(|e| Error::io(path, e))?;
+        Ok(History::on(file, path, columns.len()))
+    }
+
+    fn on(file: File, path: &Path, columns: usize) -> History {
+        let path = path.to_owned();
+        History { file, path, columns, pending: Vec::new(), flushed: Instant::now() }
+    }
+
+    /// Appends a row. It reaches the file within a second of the rows after
+    /// it, or on [`flush`](History::flush) or drop.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the file cannot be written, or when the row has not
+    /// one value per column.
+    pub fn row(&mut self, values: &[Value]) -> Result<()> {
+        if values.len() != self.columns {
+            let what = format!("a row of {} values in {} columns", values.len(), self.columns);
+            let error = std::io::Error::new(std::io::ErrorKind::InvalidInput, what);
+            return Err(Error::io(&self.path, error));
+        }
+        for (i, value) in values.iter().enumerate() {
+            if i > 0 {
+                self.pending.push(b',');
+            }
+            push(&mut self.pending, value);
+        }
+        self.pending.push(b'\n');
+        if self.pending.len() >= FLUSH_BYTES || self.flushed.elapsed() >= FLUSH_INTERVAL {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Hands all rows so far to the system.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the file cannot be written.
+    pub fn flush(&mut self) -> Result<()> {
+        let written = self.file.write_all(&self.pending);
+        self.pending.clear();
+        self.flushed = Instant::now();
+        written.map_err(|e| Error::io(&self.path, e))
+    }
+}
+
+impl Drop for History {
+    fn drop(&mut self) {
+        // Nobody is left to tell; a caller that cares has called `flush`.
+        let _ = self.flush();
+    }
+}
+
+fn push(out: &mut Vec<u8>, value: &Value) {
+    // Writing to a vector cannot fail.
+    let _ = match *value {
+        Value::Float(x) => write!(out, "{x:?}"),
+        Value::Count(n) => write!(out, "{n}"),
+        Value::Text(t) => {
+            let plain = |b| if matches!(b, b',' | b'"' | b'\n' | b'\r') { b' ' } else { b };
+            out.extend(t.bytes().map(plain));
+            Ok(())
+        }
+    };
+}
+
+fn header(columns: &[&str]) -> Vec<u8> {
+    let mut line = columns.join(",").into_bytes();
+    line.push(b'\n');
+    line
+}
+
+/// Bytes of the table that rows up to `last_step` take.
+fn length_up_to(
+    text: &[u8],
+    columns: &[&str],
+    step_column: &str,
+    last_step: u64,
+) -> Result<usize, InputError> {
+    let head = header(columns);
+    if !text.starts_with(&head) {
+        return Err(InputError::new(
+            "the table's columns are not those of this run",
+            format!("the header must be `{}`; restart into another folder", columns.join(",")),
+        )
+        .at_line(1));
+    }
+    let column = columns.iter().position(|&c| c == step_column).ok_or_else(|| {
+        InputError::new(format!("the table has no column `{step_column}`"), "")
+    })?;
+    let mut keep = head.len();
+    for (i, line) in text[keep..].split_inclusive(|&b| b == b'\n').enumerate() {
+        if !line.ends_with(b"\n") {
+            break;
+        }
+        let step = line.split(|&b| matches!(b, b',' | b'\n')).nth(column);
+        let step = step.and_then(|s| std::str::from_utf8(s).ok()?.parse::<u64>().ok());
+        let step = step.ok_or_else(|| {
+            InputError::new(format!("the row has no {step_column}"), "restart into another folder")
+                .at_line(i + 2)
+        })?;
+        if step > last_step {
+            break;
+        }
+        keep += line.len();
+    }
+    Ok(keep)
+}

@@ -1,0 +1,121 @@
+//! The closed forms against tables, against themselves and against mass.
+
+use dempfv::theory::*;
+
+#[test]
+fn consolidation_matches_the_tables() {
+    // Time factors of textbooks (for example Craig, Soil Mechanics, and Taylor,
+    // Fundamentals of Soil Mechanics), three decimals.
+    for (u, t) in [
+        (0.1, 0.008),
+        (0.2, 0.031),
+        (0.3, 0.071),
+        (0.4, 0.126),
+        (0.5, 0.197),
+        (0.6, 0.286),
+        (0.7, 0.403),
+        (0.8, 0.567),
+        (0.9, 0.848),
+        (0.95, 1.129),
+    ] {
+        assert!((time_factor(u) - t).abs() < 6e-4, "U = {u}: T_v = {}", time_factor(u));
+        assert!((degree_of_consolidation(t) - u).abs() < 4e-3, "T_v = {t}");
+    }
+    // Terzaghi's and Taylor's approximations of the two ends.
+    for t in [1e-9, 1e-6, 1e-3, 0.02] {
+        let parabola = (4.0 * t / std::f64::consts::PI).sqrt();
+        assert!((degree_of_consolidation(t) / parabola - 1.0).abs() < 1e-10, "T_v = {t}");
+    }
+    let tail = 8.0 / std::f64::consts::PI.powi(2) * (-std::f64::consts::PI.powi(2) / 4.0 * 2.0).exp();
+    assert!((1.0 - degree_of_consolidation(2.0) - tail).abs() < 1e-15);
+    assert_eq!(degree_of_consolidation(0.0), 0.0);
+    assert_eq!(degree_of_consolidation(-1.0), 0.0);
+    assert_eq!(degree_of_consolidation(1e9), 1.0);
+}
+
+/// Brute force: the textbook series with very many terms.
+fn series_degree(t: f64) -> f64 {
+    let m = |k: u32| std::f64::consts::FRAC_PI_2 * f64::from(2 * k + 1);
+    1.0 - (0..20_000).rev().map(|k| 2.0 / m(k).powi(2) * (-m(k).powi(2) * t).exp()).sum::<f64>()
+}
+
+fn series_pressure(z: f64, t: f64) -> f64 {
+    let m = |k: u32| std::f64::consts::FRAC_PI_2 * f64::from(2 * k + 1);
+    (0..20_000).rev().map(|k| 2.0 / m(k) * (m(k) * z).sin() * (-m(k).powi(2) * t).exp()).sum()
+}
+
+#[test]
+fn both_series_are_the_same_function_to_rounding() {
+    for t in [1e-4, 1e-3, 0.01, 0.05, 0.0999999, 0.1, 0.1000001, 0.2, 1.0, 3.0] {
+        let error = (degree_of_consolidation(t) - series_degree(t)).abs();
+        assert!(error < 1e-14, "U at T_v = {t}: {error:e}");
+        for z in [0.0, 1e-3, 0.1, 0.3, 0.5, 0.77, 1.0] {
+            let error = (excess_pressure(z, t) - series_pressure(z, t)).abs();
+            assert!(error < 1e-14, "p at z = {z}, T_v = {t}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn what_the_profile_has_lost_is_what_has_settled() {
+    // 1 − U is the mean of p/p₀ over the height; Simpson's rule.
+    let n = 20_000;
+    for t in [0.002, 0.03, 0.0999, 0.1001, 0.5, 1.5] {
+        let mean: f64 = (0..=n)
+            .map(|i| {
+                let weight = if i == 0 || i == n { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+                weight * excess_pressure(f64::from(i) / f64::from(n), t)
+            })
+            .sum::<f64>()
+            / (3.0 * f64::from(n));
+        let error = (1.0 - degree_of_consolidation(t) - mean).abs();
+        assert!(error < 1e-10, "T_v = {t}: {error:e}");
+    }
+}
+
+#[test]
+fn the_profile_obeys_its_equation_and_its_ends() {
+    // ∂p/∂T = ∂²p/∂z² by central differences; sealed at z = 1, dry at z = 0.
+    let h = 1e-3;
+    for t in [0.02, 0.09, 0.11, 0.6] {
+        for z in [0.1, 0.5, 0.9] {
+            let p = excess_pressure;
+            let rate = (p(z, t + h * h) - p(z, t - h * h)) / (2.0 * h * h);
+            let curvature = (p(z + h, t) - 2.0 * p(z, t) + p(z - h, t)) / (h * h);
+            let scale = 1.0 + rate.abs();
+            assert!((rate - curvature).abs() < 1e-3 * scale, "z = {z}, T_v = {t}");
+        }
+        assert_eq!(excess_pressure(0.0, t), 0.0);
+        assert!((excess_pressure(1.0, t) - excess_pressure(1.0 - 1e-6, t)).abs() < 1e-10);
+    }
+    assert_eq!(excess_pressure(0.5, 0.0), 1.0);
+}
+
+#[test]
+fn the_inverse_inverts() {
+    for u in [1e-6, 0.01, 0.3, 0.5, 0.9, 0.999, 1.0 - 1e-9] {
+        assert!((degree_of_consolidation(time_factor(u)) - u).abs() < 1e-14, "U = {u}");
+    }
+    assert_eq!(time_factor(0.0), 0.0);
+    assert_eq!(time_factor(1.0), f64::INFINITY);
+}
+
+#[test]
+fn a_drained_top_settles_at_once_and_shortens_the_path() {
+    let (d, u) = (0.05, degree_of_consolidation_drained_top);
+    assert_eq!(u(0.0, d), d);
+    assert_eq!(u(0.3, 0.0), degree_of_consolidation(0.3));
+    // The wet part is half done at T_v = 0.197 (1−d)².
+    let t = time_factor(0.5) * 0.95 * 0.95;
+    assert!((u(t, d) - (0.05 + 0.95 * 0.5)).abs() < 1e-14);
+}
+
+#[test]
+fn permeability_of_a_bed_of_spheres() {
+    // ε = 0.4, d = 1 mm: 0.064e-6 / (180 · 0.36) by hand.
+    assert!((kozeny_carman(0.4, 1e-3) / 9.876_543_209_876_5e-10 - 1.0).abs() < 1e-12);
+    // Sauter: (8 + 1)·2 / (4 + 1) for r = 2, 1.
+    assert_eq!(sauter_diameter(&[2.0, 1.0]), 3.6);
+    assert_eq!(sauter_diameter(&[0.5; 7]), 1.0);
+    assert_eq!(sauter_diameter(&[]), 0.0);
+}
