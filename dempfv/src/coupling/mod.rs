@@ -1,1 +1,42 @@
-//! Placeholder, replaced by the next commits.
+//! The time loop that joins [`dem`](crate::dem) and [`pfv`](crate::pfv), and
+//! the stages that a scene asks for.
+//!
+//! [`Coupled`] advances spheres and fluid by one step. [`Simulation`] carries
+//! out a [`Plan`](crate::scene::Plan): it is advanced step by step by its
+//! caller, who may look at it, save its [`State`] or stop between any two.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use dempfv::coupling::Simulation;
+//! use dempfv::scene::Plan;
+//!
+//! let plan = Plan::load(Path::new("scenes/oedometer.toml"))?;
+//! let mut simulation = Simulation::new(plan)?;
+//! while simulation.advance()? {
+//!     if simulation.step() % 1000 == 0 {
+//!         let seen = simulation.observe();
+//!         assert!(seen.porosity > 0.0);
+//!     }
+//! }
+//! # Ok::<(), dempfv::Error>(())
+//! ```
+
+mod clock;
+mod coupled;
+mod observe;
+mod outcome;
+mod phases;
+mod setup;
+mod simulation;
+mod stages;
+
+pub use clock::{TimeStepBounds, viscous_time_step};
+pub use coupled::{Coupled, FluidState, RemeshRule, Saturation};
+pub use observe::Observation;
+pub use outcome::{
+    Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, Outcome, PermeabilityTest, Profile,
+    StageOutcome,
+};
+pub use phases::{Phase, Phases};
+pub use setup::initial_packing;
+pub use simulation::{Simulation, State};

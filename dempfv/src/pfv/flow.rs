@@ -1,5 +1,7 @@
 //! The flow through one network: operators, factor and the current pressures.
 
+use std::time::{Duration, Instant};
+
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -30,12 +32,24 @@ pub struct Flow {
     /// `None` when every pore has an imposed pressure.
     factor: Option<Box<dyn Factor>>,
     residual: Option<f64>,
+    build_times: BuildTimes,
     rhs: Vec<f64>,
     solution: Vec<f64>,
     pressure: Vec<f64>,
     volume_rate: Vec<f64>,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
+}
+
+/// How long the parts of [`Flow::new`] took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BuildTimes {
+    /// Triangulation, pores, throats and operators.
+    pub network: Duration,
+    /// Ordering and symbolic analysis.
+    pub analyze: Duration,
+    /// Numeric factorization.
+    pub factor: Duration,
 }
 
 /// A measured permeability.
@@ -56,15 +70,23 @@ impl Flow {
     /// As [`Network::new`] and [`Operators::new`], and when the factorization
     /// fails.
     pub fn new(position: &[Vec3], radius: &[f64], bounds: Aabb, fluid: &Fluid, solver: SolverKind) -> Result<Flow> {
+        let start = Instant::now();
         let network = Network::new(position, radius, bounds, fluid)?;
         let operators = Operators::new(&network, fluid.boundary)?;
+        let mut build_times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         let (pores, unknowns) = (network.pores(), operators.unknowns());
         let factor = match unknowns {
             0 => None,
             _ => {
                 let places: Vec<[f64; 3]> =
                     operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
-                Some(solver.backend().analyze(&operators.matrix, Some(&places))?.factor(&operators.matrix)?)
+                let start = Instant::now();
+                let symbolic = solver.backend().analyze(&operators.matrix, Some(&places))?;
+                build_times.analyze = start.elapsed();
+                let start = Instant::now();
+                let factor = symbolic.factor(&operators.matrix)?;
+                build_times.factor = start.elapsed();
+                Some(factor)
             }
         };
         Ok(Flow {
@@ -72,6 +94,7 @@ impl Flow {
             operators,
             factor,
             residual: None,
+            build_times,
             rhs: vec![0.0; unknowns],
             solution: vec![0.0; unknowns],
             pressure: vec![0.0; pores],
@@ -164,6 +187,11 @@ impl Flow {
     /// Residual of the first solve after the factorization; `None` before it.
     pub fn residual(&self) -> Option<f64> {
         self.residual
+    }
+
+    /// How long the network and its factorization took.
+    pub fn build_times(&self) -> BuildTimes {
+        self.build_times
     }
 
     /// Number of entries of the factor; 0 when nothing is unknown.

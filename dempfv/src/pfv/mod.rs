@@ -23,7 +23,7 @@ mod throat;
 
 pub use clamp::Clamp;
 pub use error::PfvError;
-pub use flow::{Flow, Permeability};
+pub use flow::{BuildTimes, Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 
 pub use network::{Network, Throats};

@@ -1,0 +1,83 @@
+//! Where the time goes.
+
+use std::time::{Duration, Instant};
+
+/// A part of the time loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Neighbour list and contact forces.
+    Contacts,
+    /// Servo walls, damping, leapfrog.
+    Integration,
+    /// `V̇ = E v`.
+    VolumeRates,
+    /// `G p = -V̇ + Q`.
+    Solve,
+    /// `f = F p`.
+    FluidForces,
+    /// Triangulation, throats and operators of a remesh.
+    Network,
+    /// Ordering and symbolic analysis of a remesh.
+    Analyze,
+    /// Numeric factorization of a remesh.
+    Factor,
+}
+
+impl Phase {
+    /// All phases.
+    pub const ALL: [Phase; 8] = [
+        Phase::Contacts,
+        Phase::Integration,
+        Phase::VolumeRates,
+        Phase::Solve,
+        Phase::FluidForces,
+        Phase::Network,
+        Phase::Analyze,
+        Phase::Factor,
+    ];
+
+    /// The phase's name in summaries.
+    pub const fn name(self) -> &'static str {
+        [
+            "contacts",
+            "integration",
+            "volume_rates",
+            "solve",
+            "fluid_forces",
+            "network",
+            "analyze",
+            "factor",
+        ][self as usize]
+    }
+}
+
+/// Wall-clock time spent in each phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phases {
+    total: [Duration; Phase::ALL.len()],
+}
+
+impl Phases {
+    /// Runs a function and books its time.
+    pub fn time<T>(&mut self, phase: Phase, run: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let out = run();
+        self.add(phase, start.elapsed());
+        out
+    }
+
+    /// Books time that was measured elsewhere.
+    pub fn add(&mut self, phase: Phase, spent: Duration) {
+        self.total[phase as usize] += spent;
+    }
+
+    /// Time spent in a phase.
+    pub fn spent(&self, phase: Phase) -> Duration {
+        self.total[phase as usize]
+    }
+
+    /// Each phase's name and its total in milliseconds.
+    pub fn in_ms(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        Phase::ALL.into_iter().map(|p| (p.name(), self.spent(p).as_secs_f64() * 1e3))
+    }
+}
