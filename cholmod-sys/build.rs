@@ -38,6 +38,11 @@ fn build() -> Result<(), String> {
         "libclang was not found, which generates the bindings; install libclang-dev".to_owned()
     })?;
     let bindings = generate(&includes)?;
+    // CHOLMOD 5 can be told its OpenMP threads.
+    println!("cargo::rustc-check-cfg=cfg(openmp_threads)");
+    if bindings.contains("nthreads_max") {
+        println!("cargo::rustc-cfg=openmp_threads");
+    }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
     std::fs::write(out.join("bindings.rs"), &bindings).map_err(|e| format!("{}: {e}", out.display()))?;
     publish(&bindings)

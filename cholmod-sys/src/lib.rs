@@ -36,6 +36,16 @@ pub fn suitesparse_version() -> [i32; 3] {
     version
 }
 
+/// Limits the OpenMP threads of calls with this common. CHOLMOD before 5
+/// (SuiteSparse 7) cannot be told: it uses the number it was compiled with.
+#[cfg_attr(not(openmp_threads), expect(unused_variables))]
+pub fn set_openmp_threads(common: &mut cholmod_common, threads: i32) {
+    #[cfg(openmp_threads)]
+    {
+        common.nthreads_max = threads;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
