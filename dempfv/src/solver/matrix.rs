@@ -1,9 +1,30 @@
 //! The matrix type that every backend borrows.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use super::SolverError;
+
 /// A sparse symmetric matrix: its lower triangle by columns.
 ///
 /// Row indices ascend within a column and the diagonal comes first. Indices
 /// are 64 bits wide so that CHOLMOD can borrow the arrays without a copy.
+///
+/// ```
+/// use dempfv::solver::SymmetricCsc;
+/// // |  2 -1 |
+/// // | -1  2 |
+/// let a = SymmetricCsc {
+///     n: 2,
+///     col_ptr: vec![0, 2, 3],
+///     row_idx: vec![0, 1, 1],
+///     values: vec![2.0, -1.0, 2.0],
+/// };
+/// a.validate()?;
+/// let mut y = [0.0; 2];
+/// a.multiply(&[1.0, 3.0], &mut y);
+/// assert_eq!(y, [-1.0, 5.0]);
+/// # Ok::<(), dempfv::solver::SolverError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SymmetricCsc {
     /// Number of rows and columns.
@@ -14,4 +35,126 @@ pub struct SymmetricCsc {
     pub row_idx: Vec<i64>,
     /// Value of each entry.
     pub values: Vec<f64>,
+}
+
+impl SymmetricCsc {
+    /// Number of entries of the lower triangle.
+    pub fn nnz(&self) -> usize {
+        self.row_idx.len()
+    }
+
+    /// The entries of a column: rows and values.
+    fn column(&self, j: usize) -> (&[i64], &[f64]) {
+        let range = self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize;
+        (&self.row_idx[range.clone()], &self.values[range])
+    }
+
+    /// Checks that the arrays describe a symmetric matrix as the type says,
+    /// and that every value is finite.
+    ///
+    /// # Errors
+    /// [`SolverError::InvalidMatrix`] or [`SolverError::MatrixNotFinite`] with
+    /// the first column at fault.
+    pub fn validate(&self) -> Result<(), SolverError> {
+        let fail = |column, what| Err(SolverError::InvalidMatrix { column, what });
+        if self.col_ptr.len() != self.n + 1 || self.col_ptr[0] != 0 {
+            return fail(0, "the column pointers must be n + 1 and start with 0");
+        }
+        if self.col_ptr[self.n] != self.row_idx.len() as i64 || self.values.len() != self.row_idx.len() {
+            return fail(self.n, "the last column pointer must be the number of rows and of values");
+        }
+        // Before any column is looked at: one descent could hide an overrun.
+        if let Some(column) = self.col_ptr.windows(2).position(|p| p[1] < p[0]) {
+            return fail(column, "the column pointers must not descend");
+        }
+        for j in 0..self.n {
+            let (rows, _) = self.column(j);
+            if rows.first() != Some(&(j as i64)) {
+                return fail(j, "the diagonal entry must come first");
+            }
+            if rows.windows(2).any(|r| r[1] <= r[0]) {
+                return fail(j, "the rows must ascend");
+            }
+            if rows[rows.len() - 1] >= self.n as i64 {
+                return fail(j, "a row lies outside the matrix");
+            }
+        }
+        self.check_finite()
+    }
+
+    /// Checks that every value is finite.
+    ///
+    /// # Errors
+    /// [`SolverError::MatrixNotFinite`] with the first entry that is not.
+    pub fn check_finite(&self) -> Result<(), SolverError> {
+        let Some(k) = self.values.iter().position(|v| !v.is_finite()) else { return Ok(()) };
+        let column = self.col_ptr.partition_point(|&start| start <= k as i64) - 1;
+        let row = self.row_idx[k] as usize;
+        Err(SolverError::MatrixNotFinite { row, column, value: self.values[k] })
+    }
+
+    /// A number that differs between patterns (up to chance, 2⁻⁶⁴), whatever
+    /// the values.
+    pub fn pattern_hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.n.hash(&mut hasher);
+        self.col_ptr.hash(&mut hasher);
+        self.row_idx.hash(&mut hasher);
+        hasher.finish()
+    }
+
+    /// y = A x, in one fixed order of additions.
+    ///
+    /// # Panics
+    /// If `x` or `y` has not `n` entries.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        self.scatter(x, y, |a| a);
+    }
+
+    /// y = f(A) x for a function of each entry.
+    fn scatter(&self, x: &[f64], y: &mut [f64], f: impl Fn(f64) -> f64) {
+        assert!(x.len() == self.n && y.len() == self.n, "vectors must have one entry per unknown");
+        y.fill(0.0);
+        for j in 0..self.n {
+            let (rows, values) = self.column(j);
+            let mut sum = f(values[0]) * x[j];
+            for (&i, &a) in rows[1..].iter().zip(&values[1..]) {
+                let (i, a) = (i as usize, f(a));
+                y[i] += a * x[j];
+                sum += a * x[i];
+            }
+            y[j] += sum;
+        }
+    }
+
+    /// Largest row sum of absolute values, ‖A‖∞.
+    pub fn norm_inf(&self) -> f64 {
+        let mut sums = vec![0.0; self.n];
+        self.scatter(&vec![1.0; self.n], &mut sums, f64::abs);
+        norm_inf(&sums)
+    }
+
+    /// How far `x` is from solving A x = b:
+    /// ‖b − A x‖∞ / (‖A‖∞ ‖x‖∞ + ‖b‖∞), the smallest relative change of A and
+    /// b for which `x` is exact (Rigal and Gaches 1967). About 10⁻¹⁶ after a
+    /// good direct solve; not a number if `x` or `b` has an entry that is none.
+    ///
+    /// # Panics
+    /// If `x` or `b` has not `n` entries.
+    pub fn residual(&self, b: &[f64], x: &[f64]) -> f64 {
+        assert_eq!(b.len(), self.n, "the right-hand side must have one entry per unknown");
+        let mut r = vec![0.0; self.n];
+        self.multiply(x, &mut r);
+        for (r, b) in r.iter_mut().zip(b) {
+            *r = b - *r;
+        }
+        let numerator = norm_inf(&r);
+        if numerator == 0.0 { 0.0 } else { numerator / (self.norm_inf() * norm_inf(x) + norm_inf(b)) }
+    }
+}
+
+/// Largest absolute value; not a number if any entry is none.
+fn norm_inf(x: &[f64]) -> f64 {
+    // f64::max would drop a NaN.
+    x.iter().fold(0.0, |norm, &v| if v.abs() > norm || v.is_nan() { v.abs() } else { norm })
 }

@@ -1,17 +1,144 @@
 //! Sparse symmetric positive definite systems.
+//!
+//! A [`Backend`] turns a pattern into a [`Symbolic`], that and the values into
+//! a [`Factor`], and only a factor solves:
+//!
+//! ```
+//! use dempfv::solver::{SolverKind, SymmetricCsc};
+//! # fn main() -> Result<(), dempfv::solver::SolverError> {
+//! // Three pores in a row between two imposed pressures.
+//! let mut a = SymmetricCsc {
+//!     n: 3,
+//!     col_ptr: vec![0, 2, 4, 5],
+//!     row_idx: vec![0, 1, 1, 2, 2],
+//!     values: vec![2.0, -1.0, 2.0, -1.0, 2.0],
+//! };
+//! let symbolic = SolverKind::Cholmod.backend().analyze(&a, None)?;
+//! let mut factor = symbolic.factor(&a)?;
+//! let mut x = [0.0; 3];
+//! let residual = factor.solve_checked(&a, &[4.0, 0.0, 0.0], &mut x)?;
+//! assert!(residual < 1e-15 && (x[0] - 3.0).abs() < 1e-14);
+//!
+//! // The network changed, its pattern did not.
+//! a.values[0] = 3.0;
+//! let mut factor = factor.refactor(&a)?;
+//! factor.solve(&[4.0, 0.0, 0.0], &mut x)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Solving before factoring does not compile:
+//!
+//! ```compile_fail,E0599
+//! # use dempfv::solver::{SolverKind, SymmetricCsc};
+//! # fn main() -> Result<(), dempfv::solver::SolverError> {
+//! # let a = SymmetricCsc { n: 1, col_ptr: vec![0, 1], row_idx: vec![0], values: vec![2.0] };
+//! let mut symbolic = SolverKind::Cholmod.backend().analyze(&a, None)?;
+//! symbolic.solve(&[4.0], &mut [0.0])?;
+//! # Ok(())
+//! # }
+//! ```
 
+pub mod blas;
+mod cholmod;
+mod error;
+mod kind;
 mod matrix;
 
+pub use cholmod::Cholmod;
+pub use error::SolverError;
+pub use kind::{SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
 
-/// The linear solver failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SolverError {
-    /// The matrix is not positive definite.
-    #[error("not positive definite at column {column}")]
-    NotPositiveDefinite {
-        /// Column (unknown), counted from 0 in the caller's numbering.
-        column: usize,
-    },
+/// Largest residual of a checked solve (see [`SymmetricCsc::residual`]). A
+/// sound factorization leaves some 10⁻¹⁶.
+pub const RESIDUAL_LIMIT: f64 = 1e-8;
+
+/// A direct solver.
+pub trait Backend: Send + Sync {
+    /// The solver's name in scenes, reports and messages.
+    fn name(&self) -> &'static str;
+
+    /// Orders the unknowns and finds the pattern of the factor. `coordinates`
+    /// (one point per unknown, any unit) may help the ordering; a solver that
+    /// orders by the graph alone ignores them.
+    ///
+    /// # Errors
+    /// The matrix is malformed ([`SymmetricCsc::validate`]), the coordinates
+    /// are not one per unknown, or memory ran out.
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError>;
+}
+
+/// What the pattern alone tells of a factorization.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Analysis {
+    /// Name of the fill-reducing ordering.
+    pub ordering: &'static str,
+    /// Number of entries of the factor L.
+    pub nnz_l: u64,
+    /// Floating point operations of the factorization.
+    pub flops: f64,
+}
+
+/// An ordering and the pattern of the factor.
+pub trait Symbolic: Send {
+    /// What the analysis found.
+    fn analysis(&self) -> Analysis;
+
+    /// Factors a matrix of the pattern that was analyzed.
+    ///
+    /// # Errors
+    /// The pattern is another one, an entry is not finite, the matrix is not
+    /// positive definite or singular to working precision, or memory ran out.
+    fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError>;
+}
+
+/// A factored matrix, ready to solve. It may move to another thread.
+pub trait Factor: Send {
+    /// What the analysis of the pattern found.
+    fn analysis(&self) -> Analysis;
+
+    /// Solves A x = b. Allocates nothing after the first call.
+    ///
+    /// # Errors
+    /// `b` or `x` has not one entry per unknown, an entry of `b` is not
+    /// finite, or (in the first call) memory ran out.
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError>;
+
+    /// Factors another matrix of the same pattern, in the memory of this
+    /// factor; the result is that of a fresh factorization, bit for bit. A
+    /// failure consumes the factor, so none is left that solves nothing.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factor`].
+    fn refactor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError>;
+
+    /// Memory that the factor holds, in bytes.
+    fn memory_bytes(&self) -> usize;
+
+    /// Solves A x = b and returns the residual ([`SymmetricCsc::residual`]),
+    /// for the first solve after a factorization. `a` is the factored matrix.
+    ///
+    /// # Errors
+    /// As [`Factor::solve`], and [`SolverError::ResidualTooLarge`] above
+    /// [`RESIDUAL_LIMIT`].
+    fn solve_checked(&mut self, a: &SymmetricCsc, b: &[f64], x: &mut [f64]) -> Result<f64, SolverError> {
+        self.solve(b, x)?;
+        let residual = a.residual(b, x);
+        // Not `>`: a residual that is no number must not pass.
+        if residual <= RESIDUAL_LIMIT {
+            Ok(residual)
+        } else {
+            Err(SolverError::ResidualTooLarge { residual, limit: RESIDUAL_LIMIT })
+        }
+    }
+}
+
+/// Refuses a vector that has not one entry per unknown.
+fn require_size(what: &'static str, expected: usize, found: usize) -> Result<(), SolverError> {
+    if found == expected { Ok(()) } else { Err(SolverError::WrongSize { what, expected, found }) }
 }

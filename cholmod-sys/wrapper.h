@@ -1,0 +1,3 @@
+/* What the bindings are generated from. */
+#include <cholmod.h>
+#include <metis.h>

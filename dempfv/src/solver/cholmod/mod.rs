@@ -1,0 +1,142 @@
+//! CHOLMOD of SuiteSparse (Chen, Davis, Hager and Rajamanickam 2008): LLᵀ by
+//! supernodes, ordered by METIS.
+
+mod raw;
+
+use std::sync::{Mutex, PoisonError};
+
+use super::{Analysis, Backend, Factor, SolverError, Symbolic, SymmetricCsc, blas, require_size};
+use raw::{Fault, Raw};
+
+const NAME: &str = "cholmod";
+
+/// METIS seeds and then draws from the C library's `rand`, which is the
+/// process's: two analyses at once would disturb each other's ordering.
+static ORDERING: Mutex<()> = Mutex::new(());
+
+/// Pivots below this part of the diagonal are round-off. Networks whose
+/// conductances span ten decades keep theirs well above.
+const PIVOT_LIMIT: f64 = 1e-14;
+
+/// The CHOLMOD backend. It ignores coordinates: METIS orders by the graph.
+///
+/// The BLAS runs on one thread, so that the factor is the same bits on any
+/// machine load and thread count; see [`super::blas::set_threads`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cholmod;
+
+impl Backend for Cholmod {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError> {
+        a.validate()?;
+        if let Some(points) = coordinates {
+            require_size("the list of coordinates", a.n, points.len())?;
+        }
+        blas::choose_default();
+        // A panic in another analysis leaves nothing behind in METIS.
+        let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
+        let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
+        drop(guard);
+        let (nnz_l, flops) = raw.counts();
+        let analysis = Analysis { ordering: "metis", nnz_l: nnz_l as u64, flops };
+        Ok(Box::new(CholmodFactor { raw, n: a.n, pattern: a.pattern_hash(), analysis }))
+    }
+}
+
+/// CHOLMOD keeps the symbolic and the numeric factor in one object; the two
+/// traits keep them apart.
+struct CholmodFactor {
+    raw: Raw,
+    n: usize,
+    pattern: u64,
+    analysis: Analysis,
+}
+
+impl CholmodFactor {
+    fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        if a.n != self.n || a.pattern_hash() != self.pattern {
+            return Err(SolverError::PatternChanged);
+        }
+        a.check_finite()?;
+        match self.raw.factorize(a) {
+            Err(Fault::NotPositiveDefinite) => {
+                let column = self.raw.permutation()[self.raw.stopped_at()] as usize;
+                Err(SolverError::NotPositiveDefinite { column })
+            }
+            // A small pivot is a warning, and the factor is complete.
+            Ok(()) | Err(Fault::SmallPivot) => self.check_pivots(a),
+            Err(fault) => Err(error(fault, "factor", self.n)),
+        }
+    }
+
+    /// Refuses a factor one of whose pivots is mere round-off.
+    fn check_pivots(&self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        let permutation = self.raw.permutation();
+        let mut worst = (0, f64::INFINITY);
+        self.raw.for_each_pivot(|k, pivot| {
+            let column = permutation[k] as usize;
+            let ratio = pivot * pivot / a.values[a.col_ptr[column] as usize];
+            if ratio < worst.1 {
+                worst = (column, ratio);
+            }
+        });
+        let (column, ratio) = worst;
+        if ratio < PIVOT_LIMIT { Err(SolverError::NearlySingular { column, ratio }) } else { Ok(()) }
+    }
+}
+
+impl Symbolic for CholmodFactor {
+    fn analysis(&self) -> Analysis {
+        self.analysis
+    }
+
+    fn factor(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        self.factorize(a)?;
+        Ok(self)
+    }
+}
+
+impl Factor for CholmodFactor {
+    fn analysis(&self) -> Analysis {
+        self.analysis
+    }
+
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+        require_size("the right-hand side", self.n, b.len())?;
+        require_size("the solution", self.n, x.len())?;
+        if let Some(row) = b.iter().position(|v| !v.is_finite()) {
+            return Err(SolverError::RightHandSideNotFinite { row, value: b[row] });
+        }
+        self.raw.solve(b, x).map_err(|fault| error(fault, "solve", self.n))
+    }
+
+    fn refactor(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        self.factorize(a)?;
+        Ok(self)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.raw.memory()
+    }
+}
+
+/// A fault of CHOLMOD's as the library's error.
+fn error(fault: Fault, phase: &'static str, n: usize) -> SolverError {
+    let solver = NAME;
+    match fault {
+        Fault::OutOfMemory => SolverError::OutOfMemory { solver, phase, n },
+        Fault::TooLarge => SolverError::TooLarge { solver, n },
+        Fault::Refused(what) => SolverError::Refused { solver, phase, what },
+        // Statuses of a factorization, where `factorize` names the column.
+        Fault::NotPositiveDefinite | Fault::SmallPivot => {
+            SolverError::Refused { solver, phase, what: "a pivot is not positive".to_owned() }
+        }
+    }
+}
