@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::coupling::CouplingError;
 use crate::dem::DemError;
 use crate::pfv::PfvError;
 use crate::solver::SolverError;
@@ -73,6 +74,9 @@ pub enum Error {
     /// The pore network cannot be built or used.
     #[error(transparent)]
     Pfv(#[from] PfvError),
+    /// A stage cannot come to its end.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
     /// The linear solver failed.
     #[error(transparent)]
     Solver(#[from] SolverError),

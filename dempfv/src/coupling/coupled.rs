@@ -151,6 +151,12 @@ impl Coupled {
         Ok(())
     }
 
+    /// Runs dry mechanics and books their time.
+    pub(super) fn time_dry<T>(&mut self, phase: Phase, run: impl FnOnce(&mut Dem) -> T) -> T {
+        let dem = &mut self.dem;
+        self.phases.time(phase, || run(dem))
+    }
+
     /// The flow of the last step; `None` where the pores are empty.
     pub fn flow(&self) -> Option<&Flow> {
         self.wet.as_ref().map(|wet| &wet.flow)

@@ -23,6 +23,7 @@
 
 mod clock;
 mod coupled;
+mod error;
 mod observe;
 mod outcome;
 mod phases;
@@ -32,6 +33,7 @@ mod stages;
 
 pub use clock::{TimeStepBounds, viscous_time_step};
 pub use coupled::{Coupled, FluidState, RemeshRule, Saturation};
+pub use error::CouplingError;
 pub use observe::Observation;
 pub use outcome::{
     Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, Outcome, PermeabilityTest, Profile,

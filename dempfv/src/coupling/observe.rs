@@ -1,0 +1,80 @@
+//! What can be seen of a simulation between two steps.
+
+use super::Coupled;
+use crate::WallId;
+
+/// Scalars of the current state, for histories and progress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// Edge lengths of the box (m).
+    pub size: [f64; 3],
+    /// Stress on each wall by contacts (Pa).
+    pub contact_stress: [f64; 6],
+    /// Stress on each wall by the fluid (Pa); 0 where the pores are empty.
+    pub fluid_stress: [f64; 6],
+    /// Displacement of each wall along its axis (m).
+    pub wall_displacement: [f64; 6],
+    /// Porosity of the box, overlaps counted twice (1).
+    pub porosity: f64,
+    /// Mean resultant force over mean contact force (1).
+    pub unbalanced_force: f64,
+    /// Live contacts, walls included.
+    pub contacts: usize,
+    /// Contacts per sphere (1).
+    pub coordination_number: f64,
+    /// Kinetic energy (J).
+    pub kinetic_energy: f64,
+    /// Elastic energy of the contacts (J).
+    pub elastic_energy: f64,
+    /// Largest pore pressure (Pa); 0 where the pores are empty.
+    pub largest_pressure: f64,
+    /// Mean pore pressure by volume (Pa).
+    pub mean_pressure: f64,
+    /// Flux through each wall, positive into the box (m³/s).
+    pub flux: [f64; 6],
+}
+
+impl Coupled {
+    /// Looks at the current state.
+    pub fn observe(&self) -> Observation {
+        let dem = &self.dem;
+        let bounds = dem.box_();
+        let flow = self.flow();
+        let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
+        let stress = |force: crate::Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
+        let contact_force = dem.wall_force();
+        let (largest_pressure, mean_pressure) = flow.map_or((0.0, 0.0), |f| {
+            let volume: f64 = f.network.volume.iter().sum();
+            let weighted: f64 = f.pressure().iter().zip(&f.network.volume).map(|(p, v)| p * v).sum();
+            (f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max), weighted / volume)
+        });
+        Observation {
+            size: bounds.size().into(),
+            contact_stress: WallId::ALL.map(|w| stress(contact_force[w.index()], w)),
+            fluid_stress: WallId::ALL.map(|w| stress(fluid_force[w.index()], w)),
+            wall_displacement: dem.walls().each_ref().map(|w| w.displacement),
+            porosity: dem.porosity(),
+            unbalanced_force: self.unbalanced_force(),
+            contacts: dem.contact_count(),
+            coordination_number: dem.coordination_number(),
+            kinetic_energy: dem.kinetic_energy(),
+            elastic_energy: dem.elastic_energy(),
+            largest_pressure,
+            mean_pressure,
+            flux: flow.map(|f| f.flux()).unwrap_or_default(),
+        }
+    }
+
+    /// Mean resultant force on the spheres, the fluid's included, over the
+    /// mean contact force (1).
+    pub fn unbalanced_force(&self) -> f64 {
+        self.dem.unbalanced_force(self.flow().map(|f| f.force()))
+    }
+
+    /// Stress on a wall by contacts and fluid together (Pa, compression positive).
+    pub fn wall_stress(&self, wall: WallId) -> f64 {
+        let fluid = self.flow().map_or(crate::Vec3::zeros(), |f| f.wall_force()[wall.index()]);
+        let force = self.dem.wall_force()[wall.index()] + fluid;
+        -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
+    }
+}

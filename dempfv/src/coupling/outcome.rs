@@ -1,0 +1,159 @@
+//! What the stages find out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::WallId;
+
+/// A finished stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageOutcome {
+    /// The stage's name in the scene.
+    pub name: String,
+    /// Steps it took.
+    pub steps: u64,
+    /// Model time it took (s).
+    pub model_time_s: f64,
+    /// What it found out.
+    #[serde(flatten)]
+    pub outcome: Outcome,
+}
+
+/// What a stage found out, by its kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// Of a `compact` stage.
+    Compact(Compaction),
+    /// Of a `cycle` stage.
+    Cycle(LoadCycles),
+    /// Of a `permeability` stage.
+    Permeability(PermeabilityTest),
+    /// Of a `consolidate` stage.
+    Consolidate(Consolidation),
+    /// Of a `run` stage.
+    Run(Motion),
+}
+
+/// A packing that grew to a stress.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Compaction {
+    /// Mean stress on the six walls (Pa).
+    pub stress_pa: f64,
+    /// Mean resultant force over mean contact force (1).
+    pub unbalanced_force: f64,
+    /// Porosity of the box (1).
+    pub porosity: f64,
+    /// Contacts per sphere, walls included (1).
+    pub coordination_number: f64,
+}
+
+/// Load and unload cycles between two stresses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoadCycles {
+    /// Secant modulus of the last loading (Pa): the oedometric modulus.
+    pub modulus_pa: f64,
+    /// Secant modulus of the last unloading (Pa).
+    pub unloading_modulus_pa: f64,
+    /// Logarithmic strain of the box along the loaded axis at the end of each
+    /// half cycle, from the first hold at the lower stress on (1, compression
+    /// positive).
+    pub strain: Vec<f64>,
+    /// Stress on the wall at these ends (Pa).
+    pub stress_pa: Vec<f64>,
+}
+
+/// A static flow through the packing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PermeabilityTest {
+    /// `x`, `y` or `z`.
+    pub axis: String,
+    /// Intrinsic permeability (m²).
+    pub permeability_m2: f64,
+    /// Flux at 1 Pa across the box (m³/s).
+    pub flux_m3_s: f64,
+    /// What enters less what leaves, relative to the flux (1).
+    pub imbalance: f64,
+    /// Kozeny-Carman's estimate for the same porosity and Sauter diameter (m²).
+    pub kozeny_carman_m2: f64,
+    /// Porosity (1).
+    pub porosity: f64,
+    /// Residual of the solve (1).
+    pub residual: f64,
+}
+
+/// One-way consolidation under a stress put on at once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Consolidation {
+    /// The loaded wall.
+    pub wall: WallId,
+    /// Stress added (Pa).
+    pub load_pa: f64,
+    /// Height of the layer at the start (m).
+    pub height_m: f64,
+    /// Oedometric modulus measured before (Pa).
+    pub modulus_pa: f64,
+    /// Permeability measured before (m²).
+    pub permeability_m2: f64,
+    /// Coefficient of consolidation `c_v = k E_oed / μ` (m²/s).
+    pub c_v_m2_s: f64,
+    /// Settlement that the modulus predicts, `H (1 - exp(-Δσ / E_oed))` (m).
+    pub final_settlement_m: f64,
+    /// Share of the height in pores that touch the drained wall (1): their
+    /// pressure is imposed, so they are drained from the start.
+    pub drained_share: f64,
+    /// The course of the consolidation.
+    pub samples: Vec<ConsolidationSample>,
+    /// Pressure profiles at the T_v asked for.
+    pub profiles: Vec<Profile>,
+}
+
+/// A moment of a consolidation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ConsolidationSample {
+    /// Time factor `T_v = c_v t / H²` (1).
+    pub time_factor: f64,
+    /// Settlement of the wall (m).
+    pub settlement_m: f64,
+    /// Settlement over the final settlement (1).
+    pub degree: f64,
+    /// Mean pressure of the pores at the wall opposite the drained one, over
+    /// the added stress (1).
+    pub base_pressure: f64,
+}
+
+/// Mean pore pressure by depth at one time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Profile {
+    /// Time factor (1).
+    pub time_factor: f64,
+    /// Distance of each slab's middle from the drained wall over the height (1).
+    pub depth: Vec<f64>,
+    /// Mean pressure of each slab, by pore volume, over the added stress (1).
+    pub pressure: Vec<f64>,
+}
+
+/// A run stage's end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// Logarithmic strain of the box since the stage's start, along x, y, z
+    /// (1, compression positive).
+    pub strain: [f64; 3],
+    /// Stress on each wall at the end, contacts and fluid (Pa).
+    pub wall_stress_pa: [f64; 6],
+    /// Unbalanced force at the end (1).
+    pub unbalanced_force: f64,
+}
+
+impl Consolidation {
+    /// Largest distance of the measured degree of consolidation from
+    /// Terzaghi's with the drained layer counted, for `T_v` in a range.
+    pub fn largest_error(&self, from: f64, to: f64) -> f64 {
+        let within = self.samples.iter().filter(|s| (from..=to).contains(&s.time_factor));
+        within.map(|s| (s.degree - self.theory(s.time_factor)).abs()).fold(0.0, f64::max)
+    }
+
+    /// Terzaghi's degree of consolidation with the drained layer counted (1).
+    pub fn theory(&self, time_factor: f64) -> f64 {
+        crate::theory::degree_of_consolidation_drained_top(time_factor, self.drained_share)
+    }
+}

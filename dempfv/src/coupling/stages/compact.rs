@@ -1,0 +1,61 @@
+//! `compact`: all radii grow in the fixed box until the walls feel a stress.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Progress};
+use crate::Result;
+use crate::coupling::coupled::Coupled;
+use crate::coupling::outcome::{Compaction, Outcome};
+use crate::coupling::phases::Phase;
+use crate::dem::{GrowthCompaction, GrowthOptions};
+use crate::scene;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    growth: GrowthCompaction,
+    friction_angle: Option<f64>,
+}
+
+impl State {
+    pub fn start(plan: &scene::Compact, context: &mut Context) -> Result<State> {
+        let mut options = GrowthOptions::new(plan.stress, context.plan.particles.young);
+        options.unbalanced_tolerance = plan.unbalanced;
+        options.stress_tolerance = plan.tolerance;
+        options.max_steps = plan.max_steps;
+        if let Some(dem) = &context.plan.dem {
+            options.time_step_safety = dem.safety;
+        }
+        let state = State { growth: GrowthCompaction::new(options)?, friction_angle: plan.friction_angle };
+        state.restore(context.coupled)?;
+        Ok(state)
+    }
+
+    pub fn restore(&self, coupled: &mut Coupled) -> Result<()> {
+        if let Some(angle) = self.friction_angle {
+            coupled.dem.set_friction(angle)?;
+        }
+        Ok(())
+    }
+
+    pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
+        let growth = &mut self.growth;
+        let coupled = &mut *context.coupled;
+        let status = coupled.time_dry(Phase::Contacts, |dem| growth.step(dem))?;
+        if !status.done {
+            context.clock.dt = growth.time_step();
+            context.clock.advance();
+            return Ok(Progress::Running);
+        }
+        coupled.dem.set_friction(context.plan.particles.friction_angle)?;
+        // The spheres have found their places: neighbours in space become
+        // neighbours in memory.
+        coupled.dem.sort_spatially()?;
+        coupled.dem.compute_contacts()?;
+        Ok(Progress::Finished(Outcome::Compact(Compaction {
+            stress_pa: status.stress,
+            unbalanced_force: status.unbalanced,
+            porosity: coupled.dem.porosity(),
+            coordination_number: coupled.dem.coordination_number(),
+        })))
+    }
+}

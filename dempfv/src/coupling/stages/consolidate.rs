@@ -1,0 +1,173 @@
+//! `consolidate`: a stress is put on a wall at once and the packing drains.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Progress};
+use crate::coupling::CouplingError;
+use crate::coupling::clock::Clock;
+use crate::coupling::coupled::Coupled;
+use crate::coupling::outcome::{Consolidation, ConsolidationSample, Outcome, Profile};
+use crate::coupling::simulation::{last_cycles, last_permeability};
+use crate::dem::WallControl;
+use crate::pfv::Flow;
+use crate::scene::{self, Axis};
+use crate::{InputError, Result, WallId};
+
+/// Slabs of a pressure profile: about one sphere each in a packing of 1000.
+const SLABS: usize = 10;
+/// Samples are this share of the time apart, but at least [`FINEST`].
+const SPACING: f64 = 0.01;
+const FINEST: f64 = 1e-4;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    result: Consolidation,
+    drained: WallId,
+    until: f64,
+    profiles_left: Vec<f64>,
+    start_time: f64,
+    start_position: f64,
+    next_sample: f64,
+    steps: u64,
+    max_steps: u64,
+}
+
+impl State {
+    pub fn start(plan: &scene::Consolidate, context: &mut Context) -> Result<State> {
+        let axis = Axis::of(plan.wall);
+        let measured = "put a cycle stage and a permeability stage of the same axis before it";
+        let missing = |what: &str| InputError::new(format!("a consolidate stage without {what}"), measured);
+        let modulus = last_cycles(context.outcomes).ok_or_else(|| missing("a measured modulus"))?.modulus_pa;
+        let permeability = last_permeability(context.outcomes, axis)
+            .ok_or_else(|| missing("a measured permeability along its axis"))?
+            .permeability_m2;
+        context.saturate()?;
+        let (viscosity, drained) = drainage(context, plan.wall)?;
+
+        let dem = &mut context.coupled.dem;
+        let before = match dem.walls()[plan.wall.index()].control {
+            WallControl::Servo { stress, .. } => stress,
+            _ => dem.wall_stress(plan.wall),
+        };
+        dem.set_control(plan.wall, WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity })?;
+        let load = plan.stress - before;
+        let height = dem.box_().size()[axis.index()];
+        Ok(State {
+            result: Consolidation {
+                wall: plan.wall,
+                load_pa: load,
+                height_m: height,
+                modulus_pa: modulus,
+                permeability_m2: permeability,
+                c_v_m2_s: permeability * modulus / viscosity,
+                final_settlement_m: height * (1.0 - (-load / modulus).exp()),
+                drained_share: 0.0,
+                samples: vec![],
+                profiles: vec![],
+            },
+            drained,
+            until: plan.until_tv,
+            profiles_left: plan.profiles.clone(),
+            start_time: context.clock.time,
+            start_position: dem.walls()[plan.wall.index()].position,
+            next_sample: 0.0,
+            steps: 0,
+            max_steps: plan.max_steps,
+        })
+    }
+
+    fn time_factor(&self, clock: &Clock) -> f64 {
+        self.result.c_v_m2_s * (clock.time - self.start_time) / self.result.height_m.powi(2)
+    }
+
+    pub fn progress(&self, clock: &Clock) -> f64 {
+        (self.time_factor(clock) / self.until).min(1.0)
+    }
+
+    pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
+        context.step()?;
+        self.steps += 1;
+        let now = self.time_factor(context.clock);
+        let Some(flow) = context.coupled.flow() else { return Ok(Progress::Running) };
+        if self.steps == 1 {
+            self.result.drained_share = drained_share(flow, self.drained, self.result.height_m);
+        }
+        let over = now >= self.until;
+        if now >= self.next_sample || over {
+            let sample = self.sample(now, context.coupled, flow);
+            self.result.samples.push(sample);
+            self.next_sample = (now * (1.0 + SPACING)).max(now + FINEST);
+        }
+        while self.profiles_left.first().is_some_and(|&at| now >= at) {
+            self.profiles_left.remove(0);
+            self.result.profiles.push(self.profile(now, flow));
+        }
+        if over {
+            return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
+        }
+        if self.steps >= self.max_steps {
+            return Err(CouplingError::TimeFactorNotReached { steps: self.steps, time_factor: now, goal: self.until }.into());
+        }
+        Ok(Progress::Running)
+    }
+
+    fn sample(&self, time_factor: f64, coupled: &Coupled, flow: &Flow) -> ConsolidationSample {
+        let wall = self.result.wall;
+        let position = coupled.dem.walls()[wall.index()].position;
+        let settlement = wall.inward() * (position - self.start_position);
+        ConsolidationSample {
+            time_factor,
+            settlement_m: settlement,
+            degree: settlement / self.result.final_settlement_m,
+            base_pressure: mean_pressure_at(flow, self.drained.opposite()) / self.result.load_pa,
+        }
+    }
+
+    fn profile(&self, time_factor: f64, flow: &Flow) -> Profile {
+        let (axis, bounds) = (self.drained.axis(), &flow.network.bounds);
+        let height = bounds.size()[axis];
+        let mut sums = [(0.0, 0.0); SLABS];
+        for ((center, volume), pressure) in flow.network.center.iter().zip(&flow.network.volume).zip(flow.pressure()) {
+            let depth = self.drained.inward() * (center[axis] - bounds.wall(self.drained)) / height;
+            let slab = (depth * SLABS as f64).clamp(0.0, SLABS as f64 - 1.0) as usize;
+            sums[slab].0 += volume * pressure;
+            sums[slab].1 += volume;
+        }
+        let filled = (0..SLABS).filter(|&k| sums[k].1 > 0.0);
+        let (depth, pressure) = filled
+            .map(|k| ((k as f64 + 0.5) / SLABS as f64, sums[k].0 / sums[k].1 / self.result.load_pa))
+            .unzip();
+        Profile { time_factor, depth, pressure }
+    }
+}
+
+/// The fluid's viscosity and the one drained wall, which must be an end of the
+/// loaded axis for the theory of one-way drainage to hold.
+fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId)> {
+    let fluid = context.plan.fluid.as_ref();
+    let walls: Vec<WallId> = fluid.into_iter().flat_map(|f| f.pressure_walls().map(|(wall, _)| wall)).collect();
+    match (fluid, &walls[..]) {
+        (Some(fluid), &[wall]) if wall.axis() == loaded.axis() => Ok((fluid.viscosity, wall)),
+        _ => Err(InputError::new(
+            "a consolidate stage needs one-way drainage",
+            format!("impose a pressure on {loaded} or {} alone", loaded.opposite()),
+        )
+        .into()),
+    }
+}
+
+/// Share of the height that the pores with imposed pressure at a wall fill.
+fn drained_share(flow: &Flow, wall: WallId, height: f64) -> f64 {
+    let pores = (0..flow.network.pores()).filter(|&i| flow.operators.imposed(i) == Some(wall));
+    let volume: f64 = pores.map(|i| flow.network.volume[i]).sum();
+    volume / flow.network.bounds.wall_area(wall) / height
+}
+
+/// Mean pressure by volume of the pores that touch a wall (Pa).
+fn mean_pressure_at(flow: &Flow, wall: WallId) -> f64 {
+    let t = &flow.network.tessellation;
+    let vertex = (t.spheres + wall.index()) as u32;
+    let touching = t.cells.iter().zip(&flow.network.volume).zip(flow.pressure()).filter(|((c, _), _)| c.contains(&vertex));
+    let (weighted, volume) = touching.fold((0.0, 0.0), |(s, v), ((_, volume), p)| (s + volume * p, v + volume));
+    weighted / volume
+}

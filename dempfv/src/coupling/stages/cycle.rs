@@ -1,0 +1,95 @@
+//! `cycle`: dry load and unload cycles of one wall measure the oedometric
+//! modulus.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Progress, strain};
+use crate::coupling::CouplingError;
+use crate::coupling::outcome::{LoadCycles, Outcome};
+use crate::dem::WallControl;
+use crate::{Aabb, Result, WallId, scene};
+
+/// Steps between two looks at the equilibrium.
+const LOOK: u64 = 20;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    wall: WallId,
+    from: f64,
+    to: f64,
+    /// Holds still to come: one at the lower stress, then two a cycle.
+    holds: u64,
+    unbalanced: f64,
+    tolerance: f64,
+    max_velocity: f64,
+    max_steps: u64,
+    steps: u64,
+    reference: Aabb,
+    strain: Vec<f64>,
+    stress: Vec<f64>,
+}
+
+impl State {
+    pub fn start(plan: &scene::Cycle, context: &mut Context) -> Result<State> {
+        let state = State {
+            wall: plan.wall,
+            from: plan.from,
+            to: plan.to,
+            holds: 1 + 2 * u64::from(plan.cycles),
+            unbalanced: plan.unbalanced,
+            tolerance: plan.tolerance,
+            max_velocity: plan.max_velocity,
+            max_steps: plan.max_steps,
+            steps: 0,
+            reference: context.coupled.dem.box_(),
+            strain: vec![],
+            stress: vec![],
+        };
+        state.load(context)?;
+        Ok(state)
+    }
+
+    fn goal(&self) -> f64 {
+        if self.strain.len() % 2 == 0 { self.from } else { self.to }
+    }
+
+    fn load(&self, context: &mut Context) -> Result<()> {
+        let control = WallControl::Servo { stress: self.goal(), max_velocity: self.max_velocity };
+        Ok(context.coupled.dem.set_control(self.wall, control)?)
+    }
+
+    pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
+        context.quasi_static_step()?;
+        self.steps += 1;
+        if self.steps % LOOK != 0 {
+            return Ok(Progress::Running);
+        }
+        let stress = context.coupled.wall_stress(self.wall);
+        let unbalanced = context.coupled.unbalanced_force();
+        if (stress - self.goal()).abs() > self.tolerance * self.goal() || unbalanced > self.unbalanced {
+            if self.steps >= self.max_steps {
+                let (steps, goal) = (self.steps, self.goal());
+                return Err(CouplingError::NotSettled { steps, stress, goal, unbalanced }.into());
+            }
+            return Ok(Progress::Running);
+        }
+        self.strain.push(strain(&self.reference, &context.coupled.dem.box_())[self.wall.axis()]);
+        self.stress.push(stress);
+        if (self.strain.len() as u64) < self.holds {
+            self.load(context)?;
+            return Ok(Progress::Running);
+        }
+        Ok(Progress::Finished(Outcome::Cycle(self.result())))
+    }
+
+    fn result(&self) -> LoadCycles {
+        let last = self.strain.len() - 1;
+        let secant = |a: usize, b: usize| (self.stress[b] - self.stress[a]) / (self.strain[b] - self.strain[a]);
+        LoadCycles {
+            modulus_pa: secant(last - 2, last - 1),
+            unloading_modulus_pa: secant(last - 1, last),
+            strain: self.strain.clone(),
+            stress_pa: self.stress.clone(),
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! `permeability`: static flow along one axis through the packing at rest.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Progress};
+use crate::coupling::outcome::{Outcome, PermeabilityTest};
+use crate::coupling::setup;
+use crate::pfv::{Boundary, Flow};
+use crate::scene::{self, Axis};
+use crate::theory::{kozeny_carman, sauter_diameter};
+use crate::{InputError, Result, WallId};
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    axis: u8,
+}
+
+impl State {
+    pub fn start(plan: &scene::Permeability) -> State {
+        State { axis: plan.axis.index() as u8 }
+    }
+
+    /// The whole stage: it has no steps.
+    pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
+        let fluid = context.plan.fluid.as_ref().ok_or_else(|| {
+            InputError::new("a permeability stage in a scene without fluid", "add a table [fluid] with its viscosity")
+        })?;
+        let axis = [Axis::X, Axis::Y, Axis::Z][self.axis as usize];
+        let lower = WallId::ALL[2 * axis.index()];
+        let mut saturation = setup::saturation(fluid);
+        saturation.fluid.boundary = Boundary::default();
+        saturation.fluid.boundary.pressure[lower.index()] = Some(1.0);
+        saturation.fluid.boundary.pressure[lower.opposite().index()] = Some(0.0);
+
+        let dem = &context.coupled.dem;
+        let particles = dem.particles();
+        let mut flow =
+            Flow::new(&particles.position, &particles.radius, dem.box_(), &saturation.fluid, saturation.solver)?;
+        flow.solve_static()?;
+        let measured = flow.permeability(lower, &saturation.fluid);
+        let measured = measured.ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
+        let porosity = dem.porosity();
+        Ok(Progress::Finished(Outcome::Permeability(PermeabilityTest {
+            axis: axis.name().to_owned(),
+            permeability_m2: measured.value,
+            flux_m3_s: measured.flux,
+            imbalance: measured.imbalance,
+            kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&particles.radius)),
+            porosity,
+            residual: flow.residual().unwrap_or(0.0),
+        })))
+    }
+}

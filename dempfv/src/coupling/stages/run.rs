@@ -1,0 +1,110 @@
+//! `run`: a number of steps under given wall motions.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Progress, strain};
+use crate::coupling::CouplingError;
+use crate::coupling::clock::Clock;
+use crate::coupling::coupled::Coupled;
+use crate::coupling::outcome::{Motion, Outcome};
+use crate::dem::WallControl;
+use crate::scene::{self, Plan, Until};
+use crate::{Aabb, Result, WallId};
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    end: End,
+    friction_angle: Option<f64>,
+    reference: Aabb,
+    steps: u64,
+    /// Share of the stage that is done, where the strain ends it.
+    strained: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum End {
+    Step(u64, u64),
+    Time(f64, f64),
+    Strain { goal: f64, axis: usize, max_steps: u64 },
+}
+
+impl State {
+    pub fn start(plan: &scene::Run, context: &mut Context) -> Result<State> {
+        for (wall, control) in WallId::ALL.into_iter().zip(&plan.walls) {
+            context.coupled.dem.set_control(wall, wall_control(control))?;
+        }
+        if plan.fluid {
+            context.saturate()?;
+        }
+        let clock = &context.clock;
+        let state = State {
+            end: match plan.until {
+                Until::Steps(steps) => End::Step(clock.step, clock.step + steps),
+                Until::Time(time) => End::Time(clock.time, clock.time + time),
+                Until::Strain { strain, axis, max_steps } => {
+                    End::Strain { goal: strain, axis: axis.index(), max_steps }
+                }
+            },
+            friction_angle: plan.friction_angle,
+            reference: context.coupled.dem.box_(),
+            steps: 0,
+            strained: 0.0,
+        };
+        state.restore(context.coupled, context.plan)?;
+        Ok(state)
+    }
+
+    pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
+        Ok(coupled.dem.set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
+    }
+
+    pub fn progress(&self, clock: &Clock) -> Option<f64> {
+        Some(match self.end {
+            End::Step(from, to) => (clock.step - from) as f64 / (to - from) as f64,
+            End::Time(from, to) => (clock.time - from) / (to - from),
+            End::Strain { .. } => self.strained,
+        })
+    }
+
+    pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
+        if !self.is_over(context)? {
+            context.step()?;
+            self.steps += 1;
+            if !self.is_over(context)? {
+                return Ok(Progress::Running);
+            }
+        }
+        context.coupled.dem.set_friction(context.plan.particles.friction_angle)?;
+        let coupled = &context.coupled;
+        Ok(Progress::Finished(Outcome::Run(Motion {
+            strain: strain(&self.reference, &coupled.dem.box_()),
+            wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
+            unbalanced_force: coupled.unbalanced_force(),
+        })))
+    }
+
+    fn is_over(&mut self, context: &Context) -> Result<bool> {
+        match self.end {
+            End::Step(_, to) => Ok(context.clock.step >= to),
+            // Half a time step short counts as there, so that round-off in the
+            // sum of time steps adds none.
+            End::Time(_, to) => Ok(context.clock.time >= to - 0.5 * context.clock.dt),
+            End::Strain { goal, axis, max_steps } => {
+                let now = strain(&self.reference, &context.coupled.dem.box_())[axis];
+                self.strained = (now / goal).clamp(0.0, 1.0);
+                if now / goal < 1.0 && self.steps >= max_steps {
+                    return Err(CouplingError::StrainNotReached { steps: self.steps, strain: now, goal }.into());
+                }
+                Ok(now / goal >= 1.0)
+            }
+        }
+    }
+}
+
+fn wall_control(control: &scene::WallControl) -> WallControl {
+    match *control {
+        scene::WallControl::Fixed => WallControl::Fixed,
+        scene::WallControl::Velocity { velocity } => WallControl::Velocity(velocity),
+        scene::WallControl::Stress { stress, max_velocity } => WallControl::Servo { stress, max_velocity },
+    }
+}
