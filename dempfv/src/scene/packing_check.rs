@@ -2,14 +2,46 @@
 
 use std::path::Path;
 
+use super::plan::{ParticleSource, Plan};
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::error::InputError;
+use crate::io::packing::Packing;
 
 /// A sphere may reach through a wall by this share of its radius: contacts overlap.
 const REACH: f64 = 0.1;
 
 /// Spheres whose centres are nearer than this share of the smallest radius coincide.
 const COINCIDENT: f64 = 1e-9;
+
+impl Plan {
+    /// Reads and checks the packing file of the scene, with the box that holds it: the
+    /// scene's, else the file's own, else the tight one. `None` when the spheres are a
+    /// cloud.
+    ///
+    /// # Errors
+    /// As [`load_packing`].
+    pub fn packing(&self) -> Result<Option<(Packing, Aabb)>, InputError> {
+        match &self.particles.source {
+            ParticleSource::Packing(path) => load_packing(path, self.bounds).map(Some),
+            ParticleSource::Cloud(_) => Ok(None),
+        }
+    }
+}
+
+/// Reads a packing file and checks it ([`validate_packing`]) against `bounds`, else
+/// against its own box; without either, its box is the tight one.
+///
+/// # Errors
+/// What is wrong, with file and line.
+pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb), InputError> {
+    let packing = Packing::read(path)?;
+    let bounds = bounds
+        .or_else(|| packing.bounds_or_tight())
+        .ok_or_else(|| count_fault(0, 0).in_file(path))?;
+    let lines = Some(packing.line.as_slice());
+    validate_packing(&packing.position, &packing.radius, lines, &bounds, Some(path))?;
+    Ok((packing, bounds))
+}
 
 /// Checks the spheres of a packing: at least one, finite positions, positive radii, inside
 /// the box (the centre, and all but a tenth of a radius), no two in the same place.
@@ -46,11 +78,7 @@ pub fn validate_packing(
         }
     };
     if positions.is_empty() || positions.len() != radii.len() {
-        let what = match positions.len() {
-            0 => "the packing has no sphere".to_owned(),
-            n => format!("the packing has {n} positions and {} radii", radii.len()),
-        };
-        return Err(place(InputError::new(what, "give one line `x y z r` (m) per sphere"), None));
+        return Err(place(count_fault(positions.len(), radii.len()), None));
     }
     for (i, (x, &r)) in positions.iter().zip(radii).enumerate() {
         check_sphere(i, x, r, bounds).map_err(|e| place(e, Some(i)))?;
@@ -65,6 +93,16 @@ pub fn validate_packing(
             Some(j),
         )),
     }
+}
+
+const LINE_FORM: &str = "give one line `x y z r` (m) for each sphere";
+
+fn count_fault(positions: usize, radii: usize) -> InputError {
+    let what = match positions {
+        0 => "the packing has no sphere".to_owned(),
+        n => format!("the packing has {n} positions and {radii} radii"),
+    };
+    InputError::new(what, LINE_FORM)
 }
 
 fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb) -> Result<(), InputError> {
