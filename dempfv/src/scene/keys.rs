@@ -33,8 +33,7 @@ pub(super) static PARTICLES: Schema = table(
 );
 pub(super) static CLOUD: Schema =
     table("`cloud`", &["count", "porosity", "radius", "spread", "sizes"]);
-pub(super) static WALLS: Schema =
-    table("[walls]", &["young", "stiffness_ratio", "friction_angle", "max_velocity"]);
+pub(super) static WALLS: Schema = table("[walls]", &["young", "friction_angle", "max_velocity"]);
 pub(super) static DEM: Schema = table("[dem]", &["dt", "safety", "damping", "gravity", "rotation"]);
 pub(super) static FLUID: Schema = table(
     "[fluid]",

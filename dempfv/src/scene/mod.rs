@@ -3,13 +3,18 @@
 //! This is the only room that reads scene files. A [`Plan`] is plain data; it knows
 //! neither particles nor pores.
 
+mod effects;
+mod estimate;
 mod keys;
 mod nearest;
+mod packing_check;
 mod parse;
 mod plan;
 mod rules;
 mod table;
 
+pub use estimate::{Estimate, Specimen, StepBounds};
+pub use packing_check::{load_packing, validate_packing};
 pub use plan::{
     Axis, Clamp, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
     Permeability, Plan, Run, SizeClass, Sizes, Solver, Stage, StageKind, TimeStep, Until,

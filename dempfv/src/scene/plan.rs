@@ -126,14 +126,13 @@ impl Sizes {
 /// Material of the six walls, and how fast the servo may move them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Walls {
-    /// Young's modulus (Pa). Default: the particles'.
+    /// Young's modulus of the contact law (Pa). Default: the particles'.
     pub young: f64,
-    /// Ratio of shear to normal stiffness k_s/k_n (1). Default: the particles'.
-    pub stiffness_ratio: f64,
-    /// Friction angle against the walls (rad). Default 0.
+    /// Friction angle of the walls (rad); a contact takes the smaller of its sphere's and
+    /// its wall's. Default 0.
     pub friction_angle: f64,
-    /// Largest speed of a wall under servo control (m/s), unless the stage says another.
-    /// Default 1.
+    /// Largest speed of the walls of a cube under servo control (m/s), unless the stage
+    /// says another. Default 1.
     pub max_velocity: f64,
 }
 
@@ -296,6 +295,12 @@ impl StageKind {
             StageKind::Run(run) => run.fluid,
             _ => false,
         }
+    }
+
+    /// True when a wall moves with a given velocity in this stage.
+    pub fn has_moving_wall(&self) -> bool {
+        let moves = |c: &WallControl| matches!(c, WallControl::Velocity { .. });
+        matches!(self, StageKind::Run(run) if run.walls.iter().any(moves))
     }
 
     /// True when a wall is held at a stress in this stage.

@@ -171,17 +171,10 @@ fn read_classes(value: &Value) -> Result<Vec<SizeClass>> {
 }
 
 fn read_walls(root: &Table, particles: &Particles) -> Result<Walls> {
-    let mut walls = Walls {
-        young: particles.young,
-        stiffness_ratio: particles.stiffness_ratio,
-        friction_angle: 0.0,
-        max_velocity: 1.0,
-    };
+    let mut walls = Walls { young: particles.young, friction_angle: 0.0, max_velocity: 1.0 };
     if let Some(value) = root.get("walls") {
         let table = value.table(&keys::WALLS)?;
         walls.young = table.number_or("young", "Pa", Bound::Positive, walls.young)?;
-        walls.stiffness_ratio =
-            table.number_or("stiffness_ratio", "", Bound::NotNegative, walls.stiffness_ratio)?;
         walls.friction_angle = table.angle_or("friction_angle", walls.friction_angle)?;
         walls.max_velocity =
             table.number_or("max_velocity", "m/s", Bound::Positive, walls.max_velocity)?;

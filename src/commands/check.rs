@@ -1,0 +1,185 @@
+//! `dempfv check`: is the scene right, and what will it cost?
+
+use std::fmt;
+use std::path::PathBuf;
+
+use dempfv::scene::{Estimate, Plan, Specimen, StageKind, TimeStep, Until};
+use dempfv::{Aabb, Error, InputError};
+use serde::Serialize;
+
+use super::describe;
+use super::format::{bytes, count, duration, si, three_digits};
+
+/// What `check` takes.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+}
+
+/// The plan of a scene and what it will need.
+#[derive(Serialize)]
+pub struct Report {
+    title: String,
+    effects_on: Vec<&'static str>,
+    effects_off: Vec<&'static str>,
+    stages: Vec<StageReport>,
+    bounds: Option<Aabb>,
+    estimate: Estimate,
+    plan: Plan,
+}
+
+#[derive(Serialize)]
+struct StageReport {
+    name: String,
+    kind: &'static str,
+    what: String,
+    /// Number of steps, where the scene fixes it.
+    steps: Option<u64>,
+    /// Expected time on the clock (s), where the number of steps is known.
+    expected_s: Option<f64>,
+}
+
+/// Reads and validates a scene and, where it has one, its packing.
+///
+/// # Errors
+/// [`Error::Input`] for whatever is wrong in the scene or the packing.
+pub fn run(args: &Args) -> Result<Report, Error> {
+    let plan = Plan::load(&args.scene)?;
+    let (specimen, bounds) = specimen(&plan)?;
+    let estimate = Estimate::of(&plan, &specimen);
+    let stages = plan
+        .stages
+        .iter()
+        .map(|stage| {
+            let steps = steps(&stage.kind, estimate.dt);
+            StageReport {
+                name: stage.name.clone(),
+                kind: stage.kind.name(),
+                what: describe::stage(&stage.kind),
+                steps,
+                expected_s: expected(&stage.kind, steps, &estimate),
+            }
+        })
+        .collect();
+    Ok(Report {
+        title: plan.title.clone(),
+        effects_on: plan.effects_on(),
+        effects_off: plan.effects_off(),
+        stages,
+        bounds,
+        estimate,
+        plan,
+    })
+}
+
+/// The spheres of a plan and the box they are in.
+fn specimen(plan: &Plan) -> Result<(Specimen, Option<Aabb>), InputError> {
+    Ok(match plan.packing()? {
+        Some((packing, bounds)) => (Specimen::of_radii(&packing.radius), Some(bounds)),
+        None => (Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds),
+    })
+}
+
+fn steps(kind: &StageKind, dt: Option<f64>) -> Option<u64> {
+    let StageKind::Run(run) = kind else { return None };
+    match run.until {
+        Until::Steps(steps) => Some(steps),
+        Until::Time(time) => dt.map(|dt| (time / dt).ceil() as u64),
+        Until::Strain { .. } => None,
+    }
+}
+
+fn expected(kind: &StageKind, steps: Option<u64>, estimate: &Estimate) -> Option<f64> {
+    if !kind.moves() {
+        return estimate.remesh;
+    }
+    let step = if kind.is_coupled() { estimate.coupled_step } else { estimate.dry_step };
+    Some(steps? as f64 * step?)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plan = &self.plan;
+        writeln!(f, "{}\n", self.title)?;
+        for (i, stage) in self.stages.iter().enumerate() {
+            let expected = stage.expected_s.map(|s| format!(" (about {})", duration(s)));
+            let text = format!("{}: {}{}", stage.name, stage.what, expected.unwrap_or_default());
+            line(f, &format!("stage {}", i + 1), &text)?;
+        }
+        line(f, "effects on", &list(&self.effects_on))?;
+        line(f, "effects off", &list(&self.effects_off))?;
+        let spheres = count(self.estimate.spheres as u64);
+        line(f, "particles", &format!("{spheres}: {}", describe::source(&plan.particles.source)))?;
+        if let Some(bounds) = &self.bounds {
+            let size = bounds.size().map(|x| si(x, "m"));
+            line(f, "box", &format!("{} × {} × {}", size.x, size.y, size.z))?;
+        }
+        if let Some(fluid) = &plan.fluid {
+            line(f, "fluid", &describe::fluid(fluid, self.estimate.coupled_step.is_some()))?;
+        }
+        self.write_mechanics(f)?;
+        self.write_cost(f)
+    }
+}
+
+impl Report {
+    fn write_mechanics(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Some(dem), Some(dt), Some(bounds)) =
+            (&self.plan.dem, self.estimate.dt, self.estimate.bounds)
+        else {
+            return Ok(());
+        };
+        let material = &self.plan.particles;
+        let text = format!(
+            "ρ = {} kg/m³, E = {}, k_s/k_n = {}, friction {}° (walls {}°)",
+            three_digits(material.density),
+            si(material.young, "Pa"),
+            three_digits(material.stiffness_ratio),
+            three_digits(material.friction_angle.to_degrees()),
+            three_digits(self.plan.walls.friction_angle.to_degrees()),
+        );
+        line(f, "material", &text)?;
+        let (limit, reason) = bounds.limit();
+        let choice = match dem.dt {
+            TimeStep::Auto => format!("automatic, about {}", si(dt, "s")),
+            TimeStep::Fixed(_) => si(dt, "s"),
+        };
+        let verdict = if dt > limit { "; the step is above it: expect it to blow up" } else { "" };
+        let text = format!("{choice}; limit about {}, set by {reason}{verdict}", si(limit, "s"));
+        line(f, "time step", &text)
+    }
+
+    fn write_cost(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let estimate = &self.estimate;
+        let about = if estimate.counted { "" } else { "about " };
+        if estimate.unknowns > 0 {
+            let text = format!(
+                "{about}{} pores, {} unknown pressures; factor of {} entries",
+                count(estimate.pores as u64),
+                count(estimate.unknowns as u64),
+                three_digits(estimate.factor_entries as f64),
+            );
+            line(f, "unknowns", &text)?;
+        }
+        line(f, "memory", &format!("about {}", bytes(estimate.memory)))?;
+        let costs = [
+            ("dry", estimate.dry_step),
+            ("coupled", estimate.coupled_step),
+            ("remesh", estimate.remesh),
+        ];
+        let costs: Vec<String> = costs
+            .iter()
+            .filter_map(|(name, cost)| cost.map(|s| format!("{name} {}", duration(s))))
+            .collect();
+        line(f, "cost per step", &format!("about: {}", costs.join(", ")))
+    }
+}
+
+fn line(f: &mut fmt::Formatter<'_>, name: &str, text: &str) -> fmt::Result {
+    writeln!(f, "  {name:<13} {text}")
+}
+
+fn list(names: &[&str]) -> String {
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}

@@ -1,0 +1,134 @@
+//! What every subcommand gets: threads, where reports go, interruption, progress.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use dempfv::io::atomic;
+use dempfv::{Error, InputError};
+use serde::Serialize;
+
+use crate::report::progress::Progress;
+
+/// Options that every subcommand takes.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Threads to compute with; all cores if not given. Results do not depend on it
+    #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+
+    /// Write the result as JSON to this file (replacing it), or `-` for stdout
+    #[arg(long, value_name = "FILE", global = true)]
+    pub json: Option<PathBuf>,
+}
+
+/// What a subcommand works with.
+pub struct Context {
+    /// Number of threads that share the work.
+    pub threads: usize,
+    json: Option<PathBuf>,
+}
+
+impl Context {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when that many threads cannot be started, or the folder of the
+    /// JSON file is not there: it is better known before the work than after.
+    pub fn new(options: &Options) -> Result<Context, Error> {
+        let mut pool = rayon::ThreadPoolBuilder::new();
+        if let Some(threads) = options.threads {
+            pool = pool.num_threads(threads.into());
+        }
+        pool.build_global().map_err(|e| {
+            InputError::new(format!("cannot start the threads: {e}"), "give a smaller --threads")
+        })?;
+        if let Some(path) = &options.json {
+            check_folder(path)?;
+        }
+        Ok(Context { threads: rayon::current_num_threads(), json: options.json.clone() })
+    }
+
+    /// True when stdout belongs to the JSON report, and nothing else may be printed there.
+    pub fn is_json_on_stdout(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+
+    /// Hands out a report: as text on stdout and as JSON where `--json` says; as JSON
+    /// alone for `--json -`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it cannot be written. A reader that closes the pipe early is no
+    /// error.
+    pub fn deliver<R: Display + Serialize>(&self, report: &R) -> Result<(), Error> {
+        if let Some(path) = self.json.as_deref().filter(|_| !self.is_json_on_stdout()) {
+            write_json(path, report)?;
+        }
+        let text = if self.is_json_on_stdout() { to_json(report)? } else { report.to_string() };
+        let mut stdout = io::stdout().lock();
+        match writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()) {
+            Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::io("stdout", e)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Progress on stderr; silent when stderr is no terminal.
+    pub fn progress(&self) -> Progress {
+        Progress::new()
+    }
+
+    /// A flag that the first Ctrl-C (or SIGTERM) raises, for commands that then write what
+    /// they have and stop; the second ends the program at once. Commands that do not ask
+    /// for the flag end at the first.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the system refuses the handler, or it was asked for before.
+    pub fn interruption(&self) -> Result<Arc<AtomicBool>, Error> {
+        let raised = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&raised);
+        ctrlc::try_set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                // 128 + SIGINT, as shells report it.
+                std::process::exit(130);
+            }
+            let _ = writeln!(io::stderr(), "stopping after this step; once more to quit at once");
+        })
+        .map_err(|e| Error::io("Ctrl-C handler", io::Error::other(e)))?;
+        Ok(raised)
+    }
+}
+
+fn to_json<R: Serialize>(report: &R) -> Result<String, Error> {
+    serde_json::to_string_pretty(report).map_err(|e| Error::io("JSON report", e.into()))
+}
+
+/// Writes a report as JSON: beside its place, then renamed into it, so that no reader
+/// meets half a file. What is no regular file (a pipe, `/dev/null`) is written directly.
+///
+/// # Errors
+/// [`Error::Io`] when the file cannot be written.
+pub fn write_json<R: Serialize>(path: &Path, report: &R) -> Result<(), Error> {
+    let text = to_json(report)? + "\n";
+    let special = path.metadata().is_ok_and(|m| !m.is_file());
+    if special {
+        return std::fs::write(path, text).map_err(|e| Error::io(path, e));
+    }
+    atomic::write(path, text.as_bytes())
+}
+
+fn check_folder(path: &Path) -> Result<(), InputError> {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(InputError::new(
+            format!("--json {}: there is no folder {}", path.display(), folder.display()),
+            "make the folder, or name another file",
+        )),
+        _ if path.is_dir() => Err(InputError::new(
+            format!("--json {} is a folder", path.display()),
+            "name a file in it",
+        )),
+        _ => Ok(()),
+    }
+}

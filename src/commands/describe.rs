@@ -1,0 +1,110 @@
+//! The parts of a plan in words.
+
+use dempfv::WallId;
+use dempfv::scene::*;
+
+use super::format::{count, si, three_digits};
+
+/// What a stage does and when it ends.
+pub fn stage(kind: &StageKind) -> String {
+    match kind {
+        StageKind::Compact(s) => format!(
+            "radii grow to {} on the walls{}; ends at unbalanced force {} with the stress within {} %",
+            si(s.stress, "Pa"),
+            friction(s.friction_angle),
+            s.unbalanced,
+            three_digits(100.0 * s.tolerance),
+        ),
+        StageKind::Cycle(s) => format!(
+            "{} between {} and {}, {} times, dry: measures the oedometric modulus",
+            s.wall,
+            si(s.from, "Pa"),
+            si(s.to, "Pa"),
+            s.cycles,
+        ),
+        StageKind::Permeability(s) => {
+            format!("static flow along {}: measures the permeability", s.axis.name())
+        }
+        StageKind::Consolidate(s) => format!(
+            "{} on {}, coupled, until T_v = {}",
+            si(s.stress, "Pa"),
+            s.wall,
+            three_digits(s.until_tv),
+        ),
+        StageKind::Run(s) => run(s),
+    }
+}
+
+fn run(run: &Run) -> String {
+    let end = match run.until {
+        Until::Steps(steps) => format!("{} steps", count(steps)),
+        Until::Time(time) => si(time, "s"),
+        Until::Strain { strain, axis, .. } => {
+            format!("to a strain of {} % along {}", three_digits(100.0 * strain), axis.name())
+        }
+    };
+    let flow = if run.fluid { "coupled" } else { "dry" };
+    format!("{end}, {flow}, {}{}", controls(&run.walls), friction(run.friction_angle))
+}
+
+fn controls(walls: &[WallControl; 6]) -> String {
+    let moving: Vec<String> = WallId::ALL
+        .into_iter()
+        .filter_map(|wall| match walls[wall.index()] {
+            WallControl::Fixed => None,
+            WallControl::Velocity { velocity } => {
+                Some(format!("{wall} at {}", si(velocity, "m/s")))
+            }
+            WallControl::Stress { stress, .. } => {
+                Some(format!("{wall} under {}", si(stress, "Pa")))
+            }
+        })
+        .collect();
+    if moving.is_empty() { "all walls fixed".to_owned() } else { moving.join(", ") }
+}
+
+fn friction(angle: Option<f64>) -> String {
+    angle.map_or_else(String::new, |a| format!(", friction {}°", three_digits(a.to_degrees())))
+}
+
+/// Where the spheres come from.
+pub fn source(source: &ParticleSource) -> String {
+    match source {
+        ParticleSource::Packing(path) => path.display().to_string(),
+        ParticleSource::Cloud(cloud) => match &cloud.sizes {
+            Sizes::Uniform { mean, spread } => format!(
+                "random cloud, mean radius {} ± {} %",
+                si(*mean, "m"),
+                three_digits(100.0 * spread)
+            ),
+            Sizes::Classes(classes) => {
+                format!(
+                    "random cloud of {} sizes, {} to {}",
+                    classes.len(),
+                    si(cloud.sizes.smallest(), "m"),
+                    si(cloud.sizes.largest(), "m")
+                )
+            }
+        },
+    }
+}
+
+/// The fluid; its boundary conditions and remeshing where some stage is `coupled`.
+pub fn fluid(fluid: &Fluid, coupled: bool) -> String {
+    let viscosity = format!("μ = {}", si(fluid.viscosity, "Pa·s"));
+    if !coupled {
+        return viscosity;
+    }
+    let pressures: Vec<String> =
+        fluid.pressure_walls().map(|(wall, p)| format!("{} on {wall}", si(p, "Pa"))).collect();
+    let interval = fluid.remesh_interval.map(|n| format!("every {} steps", count(n)));
+    let strain = fluid
+        .remesh_strain
+        .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
+    let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
+    format!(
+        "{viscosity}; {}, no flow through other walls; remesh {}",
+        pressures.join(", "),
+        remesh.join(" or ")
+    )
+}

@@ -1,0 +1,50 @@
+//! The folder that results go to.
+
+use std::path::{Path, PathBuf};
+
+use dempfv::{Error, InputError};
+
+/// Where results go, and whether older ones may be replaced.
+#[derive(clap::Args)]
+pub struct OutputArgs {
+    /// Folder for the results; out/NAME of the scene if not given
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// Replace results that are already there
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl OutputArgs {
+    /// The folder for the results of `input`; nothing is made yet.
+    ///
+    /// # Errors
+    /// [`InputError`] when `result` (the file that marks a result) is in it and `--force`
+    /// is not given, or the path is no folder.
+    pub fn folder(&self, input: &Path, result: &str) -> Result<PathBuf, InputError> {
+        let name = input.file_stem().unwrap_or(input.as_os_str());
+        let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(name));
+        if folder.exists() && !folder.is_dir() {
+            return Err(InputError::new(
+                format!("--out {} is no folder", folder.display()),
+                "name a folder",
+            ));
+        }
+        if !self.force && folder.join(result).exists() {
+            return Err(InputError::new(
+                format!("{} holds a result already", folder.display()),
+                "give --force to replace it, or another --out",
+            ));
+        }
+        Ok(folder)
+    }
+}
+
+/// Makes a folder for results.
+///
+/// # Errors
+/// [`Error::Io`] when the system refuses.
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))
+}

@@ -1,0 +1,3 @@
+//! What the program shows: progress while it runs.
+
+pub mod progress;
