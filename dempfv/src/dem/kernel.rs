@@ -24,6 +24,12 @@ pub(super) fn scaled(s: f64, a: V) -> V {
     [s * a[0], s * a[1], s * a[2]]
 }
 
+/// The part of `a` normal to the unit vector `n`.
+#[inline(always)]
+fn tangential(a: V, n: V) -> V {
+    add_scaled(a, -dot(a, n), n)
+}
+
 /// How a contact moved during the last step.
 pub(super) struct Sliding {
     /// Unit normal now.
@@ -155,19 +161,19 @@ pub(super) fn evaluate<const FRICTION: bool, const ROTATION: bool>(b: &mut Batch
         let mut force = scaled(push, normal);
         if FRICTION {
             let velocity = get(&b.velocity, l);
-            let across = add_scaled(velocity, -dot(velocity, normal), normal);
-            let mut motion = Sliding {
-                normal,
-                half_turn: scaled(0.5 * law.dt * inverse, across),
-                twist: 0.0,
-                slip: scaled(law.dt, across),
-            };
+            let across = tangential(velocity, normal);
+            let half_turn = scaled(0.5 * law.dt * inverse, across);
+            let mut motion =
+                Sliding { normal, half_turn, twist: 0.0, slip: scaled(law.dt, across) };
             if ROTATION {
                 let spin = get(&b.spin, l);
                 // Σ arm ω with the arms r − overlap/2
                 let rim = add_scaled(get(&b.rim, l), -0.5 * overlap, spin);
+                // The normal half way: a contact that only turns must not slip.
+                let middle = add_scaled(normal, -1.0, half_turn);
+                let slip = add_scaled(velocity, -1.0, cross(rim, middle));
                 motion.twist = 0.5 * law.dt * dot(spin, normal);
-                motion.slip = add_scaled(motion.slip, -law.dt, cross(rim, normal));
+                motion.slip = scaled(law.dt, tangential(slip, normal));
             }
             let shear = shear_force(
                 get(&b.shear, l),
