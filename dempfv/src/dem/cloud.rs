@@ -1,0 +1,246 @@
+//! A random cloud of spheres without overlaps.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::DemError;
+use super::material::positive;
+use super::rng::Rng;
+use super::walls::check_box;
+use crate::{Aabb, Vec3};
+
+/// Places tried for a sphere before the cloud counts as full.
+const TRIES: usize = 20_000;
+
+/// How the radii are distributed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SizeDistribution {
+    /// Uniform from mean (1 − spread) to mean (1 + spread).
+    Uniform {
+        /// 0 for equal spheres, less than 1.
+        spread: f64,
+    },
+    /// Given radii (m) with their shares by number; the shares are rounded
+    /// to whole spheres and need not add up to one.
+    List(Vec<(f64, f64)>),
+}
+
+/// What sets the size of the spheres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CloudScale {
+    /// The porosity of the cloud: all radii are scaled to it.
+    Porosity(f64),
+    /// The mean radius (m): all radii are scaled to it.
+    MeanRadius(f64),
+    /// The radii of the list as they are.
+    AsListed,
+}
+
+/// A cloud to be made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudSpec {
+    /// The box; all spheres lie inside it.
+    pub box_: Aabb,
+    /// Number of spheres.
+    pub count: usize,
+    /// How the radii are distributed.
+    pub sizes: SizeDistribution,
+    /// What sets their size.
+    pub scale: CloudScale,
+    /// The same seed gives the same cloud, on every machine.
+    pub seed: u64,
+}
+
+/// Places spheres at random, the largest first, each where it overlaps none:
+/// centre (m) and radius (m) of each.
+///
+/// # Errors
+/// [`DemError::CloudFull`] where no room is found, which is to be expected
+/// at porosities below about 0.65; [`DemError::Parameter`] and
+/// [`DemError::WallsMet`] for values that make no sense.
+///
+/// ```
+/// use dempfv::dem::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
+/// use dempfv::{Aabb, Vec3};
+/// let cloud = random_cloud(&CloudSpec {
+///     box_: Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) },
+///     count: 10,
+///     sizes: SizeDistribution::Uniform { spread: 0.3 },
+///     scale: CloudScale::Porosity(0.9),
+///     seed: 1,
+/// })?;
+/// assert_eq!(cloud.len(), 10);
+/// # Ok::<(), dempfv::dem::DemError>(())
+/// ```
+pub fn random_cloud(spec: &CloudSpec) -> Result<Vec<(Vec3, f64)>, DemError> {
+    check_box(&spec.box_)?;
+    let mut rng = Rng::new(spec.seed);
+    let mut radii = spec.sizes.draw(spec.count, &mut rng)?;
+    rescale(&mut radii, spec)?;
+    radii.sort_by(|a, b| b.total_cmp(a));
+    let Some(&largest) = radii.first() else { return Ok(Vec::new()) };
+
+    let mut cells = Cells::new(&spec.box_, largest, spec.count);
+    let mut cloud: Vec<(Vec3, f64)> = Vec::with_capacity(spec.count);
+    for &radius in &radii {
+        let centre = find_room(&spec.box_, radius, &cloud, &cells, &mut rng).ok_or_else(|| {
+            let solid: f64 = radii.iter().map(|r| sphere_volume(*r)).sum();
+            let porosity = 1.0 - solid / spec.box_.volume();
+            DemError::CloudFull { placed: cloud.len(), count: spec.count, porosity }
+        })?;
+        cells.add(&centre, cloud.len() as u32);
+        cloud.push((centre, radius));
+    }
+    Ok(cloud)
+}
+
+fn sphere_volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+impl SizeDistribution {
+    /// Radii in no particular unit, to be scaled.
+    fn draw(&self, count: usize, rng: &mut Rng) -> Result<Vec<f64>, DemError> {
+        match self {
+            SizeDistribution::Uniform { spread } => {
+                if !(0.0..1.0).contains(spread) {
+                    return Err(DemError::Parameter {
+                        name: "spread",
+                        value: *spread,
+                        expected: "from 0 to less than 1",
+                    });
+                }
+                Ok((0..count).map(|_| 1.0 + spread * (2.0 * rng.uniform() - 1.0)).collect())
+            }
+            SizeDistribution::List(list) => {
+                for &(radius, share) in list {
+                    positive("radius", radius)?;
+                    positive("share", share)?;
+                }
+                let total: f64 = list.iter().map(|(_, share)| share).sum();
+                positive("sum of the shares", total)?;
+                Ok(whole_numbers(list, total, count))
+            }
+        }
+    }
+}
+
+/// Each radius as often as its share says: the sphere that brings the sum of
+/// the shares past a half, one and a half, ... gets the next number.
+fn whole_numbers(list: &[(f64, f64)], total: f64, count: usize) -> Vec<f64> {
+    let mut radii = Vec::with_capacity(count);
+    let mut sum = 0.0;
+    for &(radius, share) in list {
+        sum += share;
+        let until = ((sum / total * count as f64).round() as usize).min(count);
+        radii.resize(until.max(radii.len()), radius);
+    }
+    radii
+}
+
+fn rescale(radii: &mut [f64], spec: &CloudSpec) -> Result<(), DemError> {
+    let factor = match spec.scale {
+        CloudScale::Porosity(porosity) => {
+            if !(porosity > 0.0 && porosity < 1.0) {
+                return Err(DemError::Parameter {
+                    name: "porosity",
+                    value: porosity,
+                    expected: "between 0 and 1",
+                });
+            }
+            let solid: f64 = radii.iter().map(|r| sphere_volume(*r)).sum();
+            ((1.0 - porosity) * spec.box_.volume() / solid).cbrt()
+        }
+        CloudScale::MeanRadius(mean) => {
+            positive("mean radius", mean)?;
+            // The drawn radii of a uniform distribution are around one: the
+            // mean is the distribution's, not the sample's.
+            match &spec.sizes {
+                SizeDistribution::Uniform { .. } => mean,
+                SizeDistribution::List(_) => {
+                    mean * radii.len() as f64 / radii.iter().sum::<f64>()
+                }
+            }
+        }
+        CloudScale::AsListed => match &spec.sizes {
+            SizeDistribution::List(_) => 1.0,
+            SizeDistribution::Uniform { spread } => {
+                return Err(DemError::Parameter {
+                    name: "spread",
+                    value: *spread,
+                    expected: "given with a porosity or a mean radius, since it lists no radii",
+                });
+            }
+        },
+    };
+    for r in radii {
+        *r *= factor;
+    }
+    Ok(())
+}
+
+/// A place for the next sphere, or none after many tries.
+fn find_room(
+    box_: &Aabb,
+    radius: f64,
+    cloud: &[(Vec3, f64)],
+    cells: &Cells,
+    rng: &mut Rng,
+) -> Option<Vec3> {
+    let room = box_.size().add_scalar(-2.0 * radius);
+    if room.min() < 0.0 {
+        return None;
+    }
+    (0..TRIES).find_map(|_| {
+        let share = Vec3::new(rng.uniform(), rng.uniform(), rng.uniform());
+        let centre = box_.min.add_scalar(radius) + room.component_mul(&share);
+        let free = |j: u32| {
+            let (other, r) = &cloud[j as usize];
+            (other - centre).norm_squared() >= (radius + r).powi(2)
+        };
+        cells.around(&centre).all(free).then_some(centre)
+    })
+}
+
+/// Spheres placed so far, in cells at least as wide as the largest.
+struct Cells {
+    low: Vec3,
+    inverse: Vec3,
+    dims: [usize; 3],
+    members: Vec<Vec<u32>>,
+}
+
+impl Cells {
+    fn new(box_: &Aabb, largest: f64, count: usize) -> Cells {
+        let size = box_.size();
+        let edge = (2.0 * largest).max((box_.volume() / (4 * count + 64) as f64).cbrt());
+        let dims: [usize; 3] = std::array::from_fn(|k| ((size[k] / edge) as usize).max(1));
+        let inverse = Vec3::from_fn(|k, _| dims[k] as f64 / size[k]);
+        let members = vec![Vec::new(); dims.iter().product()];
+        Cells { low: box_.min, inverse, dims, members }
+    }
+
+    fn coordinates(&self, x: &Vec3) -> [usize; 3] {
+        let cell = (x - self.low).component_mul(&self.inverse);
+        std::array::from_fn(|k| (cell[k] as usize).min(self.dims[k] - 1))
+    }
+
+    fn add(&mut self, x: &Vec3, j: u32) {
+        let [a, b, c] = self.coordinates(x);
+        self.members[(a * self.dims[1] + b) * self.dims[2] + c].push(j);
+    }
+
+    fn around(&self, x: &Vec3) -> impl Iterator<Item = u32> + '_ {
+        let centre = self.coordinates(x);
+        let range = move |k: usize| centre[k].saturating_sub(1)..(centre[k] + 2).min(self.dims[k]);
+        range(0).flat_map(move |a| {
+            range(1).flat_map(move |b| {
+                range(2).flat_map(move |c| {
+                    let cell = (a * self.dims[1] + b) * self.dims[2] + c;
+                    self.members[cell].iter().copied()
+                })
+            })
+        })
+    }
+}

@@ -1,0 +1,99 @@
+//! What can go wrong in the mechanics.
+
+use crate::WallId;
+
+/// The mechanics cannot go on, or was given something it cannot work with.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DemError {
+    /// A position, velocity or force is not finite.
+    #[error("particle {particle}: {quantity} is not finite")]
+    NotFinite {
+        /// The user's number of the particle.
+        particle: u32,
+        /// What is not finite.
+        quantity: &'static str,
+    },
+    /// A parameter has a value that makes no sense.
+    #[error("{name} = {value}; it must be {expected}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// The value it was given.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A radius or a mass that is not a positive number.
+    #[error("particle {particle}: {quantity} = {value}; it must be positive and finite")]
+    BadParticle {
+        /// The user's number of the particle.
+        particle: u32,
+        /// `radius` or `mass`.
+        quantity: &'static str,
+        /// The value it was given.
+        value: f64,
+    },
+    /// Two arrays that describe the same particles differ in length.
+    #[error("{what}: {found} entries for {expected} particles")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The number of particles.
+        expected: usize,
+    },
+    /// The centre of a particle lies beyond a wall.
+    #[error("particle {particle}: its centre lies beyond the wall {wall}")]
+    OutsideBox {
+        /// The user's number of the particle.
+        particle: u32,
+        /// The wall.
+        wall: WallId,
+    },
+    /// Two particles share one centre: their contact has no direction.
+    #[error("particles {first} and {second} have the same centre")]
+    Coincident {
+        /// The user's number of one particle.
+        first: u32,
+        /// The user's number of the other.
+        second: u32,
+    },
+    /// Two opposite walls have met.
+    #[error("the walls {lower} and {upper} have met: the box has no volume")]
+    WallsMet {
+        /// The wall at the lower end of the axis.
+        lower: WallId,
+        /// The wall at the upper end.
+        upper: WallId,
+    },
+    /// The random cloud has no room for another sphere.
+    #[error(
+        "placed {placed} of {count} spheres at porosity {porosity:.3} and found no room for the \
+         next; ask for a higher porosity, a smaller radius or fewer spheres"
+    )]
+    CloudFull {
+        /// Spheres that found a place.
+        placed: usize,
+        /// Spheres that were asked for.
+        count: usize,
+        /// Porosity the cloud would have had.
+        porosity: f64,
+    },
+    /// The compaction did not come to rest at its goal in the steps it had.
+    #[error(
+        "compaction not at rest after {steps} steps: stress {stress:.6e} Pa of {goal:.6e} Pa, \
+         unbalanced force {unbalanced:.2e}"
+    )]
+    NotSettled {
+        /// Steps done.
+        steps: u64,
+        /// Mean stress of the six walls (Pa).
+        stress: f64,
+        /// Stress asked for (Pa).
+        goal: f64,
+        /// Unbalanced force ratio.
+        unbalanced: f64,
+    },
+}

@@ -1,0 +1,212 @@
+//! Leapfrog with local damping.
+
+use super::blocks::{BLOCK, Span, cut, cut_mut, for_blocks};
+use super::error::DemError;
+use super::particles::Particles;
+use crate::Vec3;
+
+/// What moves the spheres in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Motion {
+    /// Time step (s).
+    pub dt: f64,
+    /// Local damping λ.
+    pub damping: f64,
+    /// Gravity (m/s²).
+    pub gravity: Vec3,
+    /// Whether spins change.
+    pub rotation: bool,
+    /// How far a sphere may be from its reference, its growth included (m).
+    pub slack: f64,
+}
+
+/// What a step found.
+#[derive(Clone, Copy)]
+struct Found {
+    /// Some sphere has used up the skin.
+    moved: bool,
+    /// All positions and spins are finite.
+    finite: bool,
+}
+
+/// Advances the spheres by one time step under the contact forces and, where
+/// given, the fluid's: a = f/m (+ g), v += a Δt, x += v Δt, and the same for
+/// spins. Returns whether some sphere has used up the skin.
+///
+/// # Errors
+/// [`DemError::NotFinite`] names the first particle that is not finite.
+pub(super) fn advance(
+    particles: &mut Particles,
+    centre: &mut [[f64; 4]],
+    reference: &[[f64; 4]],
+    [force, torque]: [&[Vec3]; 2],
+    fluid: Option<&[Vec3]>,
+    motion: Motion,
+) -> Result<bool, DemError> {
+    let span = MoveSpan {
+        position: &mut particles.position,
+        velocity: &mut particles.velocity,
+        spin: &mut particles.spin,
+        centre,
+        mass: &particles.mass,
+        reference,
+        force,
+        torque,
+        fluid: fluid.unwrap_or(&[]),
+    };
+    let rotation = motion.rotation;
+    let work = |span: MoveSpan<'_>| {
+        if rotation { span.advance::<true>(&motion) } else { span.advance::<false>(&motion) }
+    };
+    let found = for_blocks(span, &work, &|a: Found, b: Found| Found {
+        moved: a.moved | b.moved,
+        finite: a.finite & b.finite,
+    });
+    if found.finite {
+        Ok(found.moved)
+    } else {
+        Err(first_not_finite(particles, [force, torque], fluid))
+    }
+}
+
+/// A run of blocks that moves.
+struct MoveSpan<'a> {
+    position: &'a mut [Vec3],
+    velocity: &'a mut [Vec3],
+    spin: &'a mut [Vec3],
+    centre: &'a mut [[f64; 4]],
+    mass: &'a [f64],
+    reference: &'a [[f64; 4]],
+    force: &'a [Vec3],
+    torque: &'a [Vec3],
+    /// Empty without fluid.
+    fluid: &'a [Vec3],
+}
+
+impl Span for MoveSpan<'_> {
+    fn blocks(&self) -> usize {
+        self.position.len().div_ceil(BLOCK)
+    }
+
+    fn split(self, blocks: usize) -> (Self, Self) {
+        let n = blocks * BLOCK;
+        let position = cut_mut(self.position, n);
+        let velocity = cut_mut(self.velocity, n);
+        let spin = cut_mut(self.spin, n);
+        let centre = cut_mut(self.centre, n);
+        let mass = cut(self.mass, n);
+        let reference = cut(self.reference, n);
+        let force = cut(self.force, n);
+        let torque = cut(self.torque, n);
+        let fluid = cut(self.fluid, n);
+        (
+            MoveSpan {
+                position: position.0,
+                velocity: velocity.0,
+                spin: spin.0,
+                centre: centre.0,
+                mass: mass.0,
+                reference: reference.0,
+                force: force.0,
+                torque: torque.0,
+                fluid: fluid.0,
+            },
+            MoveSpan {
+                position: position.1,
+                velocity: velocity.1,
+                spin: spin.1,
+                centre: centre.1,
+                mass: mass.1,
+                reference: reference.1,
+                force: force.1,
+                torque: torque.1,
+                fluid: fluid.1,
+            },
+        )
+    }
+}
+
+impl MoveSpan<'_> {
+    fn advance<const ROTATION: bool>(self, motion: &Motion) -> Found {
+        let dt = motion.dt;
+        let mut found = Found { moved: false, finite: true };
+        for k in 0..self.position.len() {
+            let mut force = self.force[k];
+            if let Some(fluid) = self.fluid.get(k) {
+                force += fluid;
+            }
+            let mut a = force / self.mass[k] + motion.gravity;
+            damp(&mut a, &self.velocity[k], motion);
+            let v = self.velocity[k] + dt * a;
+            let x = self.position[k] + dt * v;
+            self.velocity[k] = v;
+            self.position[k] = x;
+
+            let radius = self.centre[k][3];
+            self.centre[k] = [x.x, x.y, x.z, radius];
+            let [rx, ry, rz, old_radius] = self.reference[k];
+            let moved2 = (x - Vec3::new(rx, ry, rz)).norm_squared();
+            let allowed = (motion.slack - (radius - old_radius)).max(0.0);
+            found.moved |= moved2 > allowed * allowed;
+            let mut sum = moved2;
+            if ROTATION {
+                // I = 2/5 m r²
+                let mut a = self.torque[k] / (0.4 * self.mass[k] * radius * radius);
+                damp(&mut a, &self.spin[k], motion);
+                let spin = self.spin[k] + dt * a;
+                self.spin[k] = spin;
+                sum += spin.norm_squared();
+            }
+            found.finite &= sum.is_finite();
+        }
+        found
+    }
+}
+
+/// Local damping: each component of the acceleration times
+/// 1 − λ sign(a (v + a Δt/2)).
+#[inline(always)]
+fn damp(a: &mut Vec3, v: &Vec3, motion: &Motion) {
+    for k in 0..3 {
+        let power = a[k] * (v[k] + 0.5 * motion.dt * a[k]);
+        let share = if power > 0.0 {
+            1.0 - motion.damping
+        } else if power < 0.0 {
+            1.0 + motion.damping
+        } else {
+            1.0
+        };
+        a[k] *= share;
+    }
+}
+
+/// Names the first particle with something that is not finite.
+fn first_not_finite(
+    particles: &Particles,
+    [force, torque]: [&[Vec3]; 2],
+    fluid: Option<&[Vec3]>,
+) -> DemError {
+    let fluid = fluid.unwrap_or(&[]);
+    let bad = |v: Option<&Vec3>| v.is_some_and(|v| !v.iter().all(|c| c.is_finite()));
+    for (i, &particle) in particles.id.iter().enumerate() {
+        for (quantity, values) in [
+            ("the fluid force", fluid),
+            ("the contact force", force),
+            ("the contact torque", torque),
+            ("the velocity", &particles.velocity),
+            ("the position", &particles.position),
+            ("the spin", &particles.spin),
+        ] {
+            if bad(values.get(i)) {
+                return DemError::NotFinite { particle, quantity };
+            }
+        }
+    }
+    // Every number is finite, but some sphere went so far or turned so fast
+    // that a square overflowed.
+    let far = |i: &usize| {
+        !(particles.position[*i].norm_squared() + particles.spin[*i].norm_squared()).is_finite()
+    };
+    let particle = (0..particles.len()).find(far).map_or(0, |i| particles.id[i]);
+    DemError::NotFinite { particle, quantity: "the motion" }
+}

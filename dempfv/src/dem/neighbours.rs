@@ -1,0 +1,352 @@
+//! The neighbour list: which spheres and walls may touch, and the shear
+//! history of those that do.
+//!
+//! The list holds every pair nearer than a skin. It stays complete until
+//! something has moved by half the skin. The pairs of a block of particles
+//! come first those inside the block, then those with a later block, each
+//! sorted by first and second sphere. Pairs that do not touch contribute
+//! nothing, so results do not depend on when the list was built.
+
+use rayon::prelude::*;
+
+use super::blocks::{BLOCK, block_count};
+use super::error::DemError;
+use super::grid::Grid;
+use super::particles::Particles;
+use super::state::{DemState, SphereHistory, WallHistory};
+use super::walls::{Wall, box_of};
+use crate::{Vec3, WallId};
+
+/// Where the entries of a block start; the next block's start ends them.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Bounds {
+    /// Pairs with both spheres in the block.
+    pub inner: usize,
+    /// Pairs whose second sphere is in a later block.
+    pub outer: usize,
+    /// The results of the outer pairs.
+    pub sent: usize,
+    /// Sphere-wall pairs.
+    pub wall: usize,
+}
+
+/// A sphere near a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct WallPair {
+    pub i: u32,
+    pub wall: WallId,
+}
+
+/// The neighbour list. Scratch: what a checkpoint needs of it is copied out
+/// by [`Neighbours::sphere_history`] and [`Neighbours::wall_history`].
+#[derive(Default)]
+pub(super) struct Neighbours {
+    /// Spheres that may touch, the smaller index first.
+    pub pairs: Vec<[u32; 2]>,
+    /// Which of the pairs touched when the contacts were last computed.
+    pub touch: Vec<bool>,
+    /// Shear force on the second sphere of each pair (N); zero without touch.
+    pub shear: Vec<Vec3>,
+    /// Spheres that may touch a wall, sorted.
+    pub wall_pairs: Vec<WallPair>,
+    /// Which of them touched.
+    pub wall_touch: Vec<bool>,
+    /// Shear force on the wall (N); zero without touch.
+    pub wall_shear: Vec<Vec3>,
+    /// Where each block's entries start, and one more entry for the end.
+    pub bounds: Vec<Bounds>,
+    /// Where each particle's entries in `incoming` start, and the end.
+    pub incoming_start: Vec<u32>,
+    /// For each particle, the results of outer pairs that act on it.
+    pub incoming: Vec<u32>,
+    /// Centre and radius of each particle when the list was built.
+    pub reference: Vec<[f64; 4]>,
+    /// Positions of the walls when the list was built.
+    wall_reference: [f64; 6],
+    /// Half the skin (m): how far a particle or a wall may move.
+    pub slack: f64,
+    grid: Grid,
+    parts: Vec<Part>,
+}
+
+/// The entries of one block while a list is built.
+#[derive(Default)]
+struct Part {
+    inner: Vec<[u32; 2]>,
+    outer: Vec<[u32; 2]>,
+    walls: Vec<WallPair>,
+    /// Shear carried over: place within inner, then outer; and the force.
+    shear: Vec<(usize, Vec3)>,
+    wall_shear: Vec<(usize, Vec3)>,
+    coincident: Option<[u32; 2]>,
+}
+
+impl Neighbours {
+    /// True when the wall positions have used up the skin.
+    pub fn walls_moved(&self, walls: &[Wall; 6]) -> bool {
+        let moved = |(w, r): (&Wall, &f64)| (w.position - r).abs() > self.slack;
+        walls.iter().zip(&self.wall_reference).any(moved)
+    }
+
+    /// Builds the list anew, keeping the history.
+    ///
+    /// # Errors
+    /// [`DemError::OutsideBox`] or [`DemError::Coincident`]; the list is then
+    /// as it was.
+    pub fn build(
+        &mut self,
+        particles: &Particles,
+        walls: &[Wall; 6],
+        skin: f64,
+    ) -> Result<(), DemError> {
+        let n = particles.len();
+        check_inside(particles, walls)?;
+        let (sum, largest) =
+            particles.radius.iter().fold((0.0, 0.0f64), |(s, m), &r| (s + r, m.max(r)));
+        let skin = skin * sum / n.max(1) as f64;
+        self.grid.fill(&particles.position, &box_of(walls), 2.0 * largest + skin);
+
+        let mut parts = std::mem::take(&mut self.parts);
+        parts.resize_with(block_count(n), Part::default);
+        parts.par_iter_mut().enumerate().for_each(|(block, part)| {
+            part.find(block, particles, walls, &self.grid, skin);
+            part.carry(block, self);
+        });
+        let coincident = parts.iter().find_map(|p| p.coincident);
+        self.parts = parts;
+        if let Some([i, j]) = coincident {
+            let [first, second] = [i, j].map(|k| particles.id[k as usize]);
+            return Err(DemError::Coincident { first, second });
+        }
+
+        self.join_parts();
+        self.index_incoming(n);
+        self.slack = 0.5 * skin;
+        self.reference.clear();
+        self.reference.extend(
+            particles.position.iter().zip(&particles.radius).map(|(x, &r)| [x.x, x.y, x.z, r]),
+        );
+        self.wall_reference = walls.map(|w| w.position);
+        Ok(())
+    }
+
+    /// Puts the blocks' entries one after the other.
+    fn join_parts(&mut self) {
+        for list in [&mut self.touch, &mut self.wall_touch] {
+            list.clear();
+        }
+        for list in [&mut self.shear, &mut self.wall_shear] {
+            list.clear();
+        }
+        self.pairs.clear();
+        self.wall_pairs.clear();
+        self.bounds.clear();
+        let mut sent = 0;
+        for part in &self.parts {
+            let inner = self.pairs.len();
+            self.bounds.push(Bounds {
+                inner,
+                outer: inner + part.inner.len(),
+                sent,
+                wall: self.wall_pairs.len(),
+            });
+            self.pairs.extend_from_slice(&part.inner);
+            self.pairs.extend_from_slice(&part.outer);
+            self.wall_pairs.extend_from_slice(&part.walls);
+            sent += part.outer.len();
+        }
+        let (pairs, wall) = (self.pairs.len(), self.wall_pairs.len());
+        self.bounds.push(Bounds { inner: pairs, outer: pairs, sent, wall });
+        self.touch.resize(pairs, false);
+        self.shear.resize(pairs, Vec3::zeros());
+        self.wall_touch.resize(wall, false);
+        self.wall_shear.resize(wall, Vec3::zeros());
+        for (part, at) in self.parts.iter().zip(&self.bounds) {
+            for &(k, shear) in &part.shear {
+                self.touch[at.inner + k] = true;
+                self.shear[at.inner + k] = shear;
+            }
+            for &(k, shear) in &part.wall_shear {
+                self.wall_touch[at.wall + k] = true;
+                self.wall_shear[at.wall + k] = shear;
+            }
+        }
+    }
+
+    /// Lists for each particle the outer pairs of which it is the second.
+    fn index_incoming(&mut self, n: usize) {
+        let starts = &mut self.incoming_start;
+        starts.clear();
+        starts.resize(n + 1, 0);
+        let outer = || {
+            self.bounds.windows(2).flat_map(|b| &self.pairs[b[0].outer..b[1].inner]).zip(0u32..)
+        };
+        for ([_, j], _) in outer() {
+            starts[*j as usize + 1] += 1;
+        }
+        for k in 0..n {
+            starts[k + 1] += starts[k];
+        }
+        self.incoming.clear();
+        self.incoming.resize(starts[n] as usize, 0);
+        for ([_, j], k) in outer() {
+            let slot = &mut starts[*j as usize];
+            self.incoming[*slot as usize] = k;
+            *slot += 1;
+        }
+        // The starts have moved on to the ends: shift them back by one.
+        starts.copy_within(0..n, 1);
+        starts[0] = 0;
+    }
+
+    /// The history of all sphere contacts, for a checkpoint.
+    pub fn sphere_history(&self) -> Vec<SphereHistory> {
+        let entries = self.pairs.iter().zip(&self.touch).zip(&self.shear);
+        entries
+            .filter(|((_, touch), _)| **touch)
+            .map(|((&[i, j], _), &shear)| SphereHistory { i, j, shear })
+            .collect()
+    }
+
+    /// The history of all wall contacts, for a checkpoint.
+    pub fn wall_history(&self) -> Vec<WallHistory> {
+        let entries = self.wall_pairs.iter().zip(&self.wall_touch).zip(&self.wall_shear);
+        entries
+            .filter(|((_, touch), _)| **touch)
+            .map(|((pair, _), &shear)| WallHistory { i: pair.i, wall: pair.wall, shear })
+            .collect()
+    }
+
+    /// Takes up the history of a checkpoint; [`Neighbours::build`] then keeps
+    /// it. Entries that name no particle, or twice the same, are refused.
+    pub fn load(&mut self, state: &DemState) -> Result<(), DemError> {
+        let n = state.particles.len();
+        let blocks = block_count(n);
+        self.parts.clear();
+        self.parts.resize_with(blocks, Part::default);
+        let mut spheres: Vec<&SphereHistory> = state.sphere_history.iter().collect();
+        spheres.sort_by_key(|h| (h.i, h.j));
+        let mut walls: Vec<&WallHistory> = state.wall_history.iter().collect();
+        walls.sort_by_key(|h| (h.i, h.wall));
+        let bad = |found: u32| DemError::Length {
+            what: "contact history (index of a sphere)",
+            found: found as usize,
+            expected: n,
+        };
+        for outer in [false, true] {
+            for h in &spheres {
+                if h.i >= h.j || h.j as usize >= n {
+                    return Err(bad(h.j));
+                }
+                let block = h.i as usize / BLOCK;
+                if (h.j as usize / BLOCK != block) != outer {
+                    continue;
+                }
+                let part = &mut self.parts[block];
+                part.shear.push((part.inner.len() + part.outer.len(), h.shear));
+                let list = if outer { &mut part.outer } else { &mut part.inner };
+                list.push([h.i, h.j]);
+            }
+        }
+        for h in walls {
+            if h.i as usize >= n {
+                return Err(bad(h.i));
+            }
+            let part = &mut self.parts[h.i as usize / BLOCK];
+            part.wall_shear.push((part.walls.len(), h.shear));
+            part.walls.push(WallPair { i: h.i, wall: h.wall });
+        }
+        self.join_parts();
+        Ok(())
+    }
+}
+
+impl Part {
+    /// Finds the pairs of the block's particles.
+    fn find(&mut self, block: usize, p: &Particles, walls: &[Wall; 6], grid: &Grid, skin: f64) {
+        let end = ((block + 1) * BLOCK).min(p.len());
+        self.inner.clear();
+        self.outer.clear();
+        self.walls.clear();
+        self.coincident = None;
+        for i in block * BLOCK..end {
+            let (x, r) = (p.position[i], p.radius[i]);
+            let (inner, outer) = (self.inner.len(), self.outer.len());
+            grid.around(&x, |j| {
+                let k = j as usize;
+                if k <= i {
+                    return;
+                }
+                let d2 = (p.position[k] - x).norm_squared();
+                let reach = r + p.radius[k] + skin;
+                if d2 < reach * reach {
+                    let list = if k < end { &mut self.inner } else { &mut self.outer };
+                    list.push([i as u32, j]);
+                    if d2 == 0.0 {
+                        self.coincident = Some([i as u32, j]);
+                    }
+                }
+            });
+            self.inner[inner..].sort_unstable();
+            self.outer[outer..].sort_unstable();
+            for wall in WallId::ALL {
+                let distance = (x[wall.axis()] - walls[wall.index()].position) * wall.inward();
+                if distance < r + skin {
+                    self.walls.push(WallPair { i: i as u32, wall });
+                }
+            }
+        }
+    }
+
+    /// Carries the history of the block over from the old list.
+    fn carry(&mut self, block: usize, old: &Neighbours) {
+        self.shear.clear();
+        self.wall_shear.clear();
+        let (Some(from), Some(to)) = (old.bounds.get(block), old.bounds.get(block + 1)) else {
+            return;
+        };
+        let split = self.inner.len();
+        let out = &mut self.shear;
+        for (range, new, offset) in
+            [(from.inner..from.outer, &self.inner, 0), (from.outer..to.inner, &self.outer, split)]
+        {
+            let of = &old.pairs[range.clone()];
+            merge(of, &old.touch[range.clone()], new, |a, b| {
+                out.push((offset + b, old.shear[range.start + a]));
+            });
+        }
+        let range = from.wall..to.wall;
+        let of = &old.wall_pairs[range.clone()];
+        merge(of, &old.wall_touch[range.clone()], &self.walls, |a, b| {
+            self.wall_shear.push((b, old.wall_shear[range.start + a]));
+        });
+    }
+}
+
+/// Calls `found` with the places in `old` and `new`, both sorted, of the
+/// entries that they share and that touched.
+fn merge<T: Ord>(old: &[T], touched: &[bool], new: &[T], mut found: impl FnMut(usize, usize)) {
+    let mut b = 0;
+    for (a, entry) in old.iter().enumerate().filter(|(a, _)| touched[*a]) {
+        while b < new.len() && new[b] < *entry {
+            b += 1;
+        }
+        if b < new.len() && new[b] == *entry {
+            found(a, b);
+        }
+    }
+}
+
+/// Refuses a centre beyond a wall.
+fn check_inside(particles: &Particles, walls: &[Wall; 6]) -> Result<(), DemError> {
+    let box_ = box_of(walls);
+    super::walls::check_box(&box_)?;
+    for (x, &particle) in particles.position.iter().zip(&particles.id) {
+        for wall in WallId::ALL {
+            if (x[wall.axis()] - box_.wall(wall)) * wall.inward() < 0.0 {
+                return Err(DemError::OutsideBox { particle, wall });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,113 @@
+//! The spheres.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::DemError;
+use super::hilbert::spatial_order;
+use crate::Vec3;
+
+/// The spheres: one entry per sphere in every array.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Particles {
+    /// The user's number of each sphere (its place in the user's list).
+    pub id: Vec<u32>,
+    /// Centre (m).
+    pub position: Vec<Vec3>,
+    /// Velocity (m/s), half a time step behind the position.
+    pub velocity: Vec<Vec3>,
+    /// Angular velocity (rad/s), half a time step behind the position.
+    pub spin: Vec<Vec3>,
+    /// Radius (m).
+    pub radius: Vec<f64>,
+    /// Mass (kg).
+    pub mass: Vec<f64>,
+}
+
+impl Particles {
+    /// Spheres at rest, numbered in the order given, with the mass that their
+    /// `radius` (m) and `density` (kg/m³) give. The lengths of the two arrays
+    /// are compared when a [`super::Dem`] is made of them.
+    pub fn new(position: Vec<Vec3>, radius: Vec<f64>, density: f64) -> Particles {
+        let n = position.len();
+        Particles {
+            id: (0..n as u32).collect(),
+            velocity: vec![Vec3::zeros(); n],
+            spin: vec![Vec3::zeros(); n],
+            mass: radius.iter().map(|r| density * volume(*r)).collect(),
+            position,
+            radius,
+        }
+    }
+
+    /// Number of spheres.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// True when there is no sphere.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Volume of all spheres (m³), overlaps counted twice.
+    pub fn solid_volume(&self) -> f64 {
+        self.radius.iter().map(|&r| volume(r)).sum()
+    }
+
+    /// Puts the spheres in an order in which neighbours in space are near in
+    /// memory (a Hilbert curve). Returns where each came from: entry k is the
+    /// former index of the sphere that is now k-th. `id` follows.
+    pub fn sort_spatially(&mut self) -> Vec<u32> {
+        let from = spatial_order(&self.position);
+        permute(&mut self.id, &from);
+        permute(&mut self.position, &from);
+        permute(&mut self.velocity, &from);
+        permute(&mut self.spin, &from);
+        permute(&mut self.radius, &from);
+        permute(&mut self.mass, &from);
+        from
+    }
+
+    /// Checks lengths, signs and finiteness.
+    pub(super) fn check(&self) -> Result<(), DemError> {
+        let expected = self.len();
+        for (what, found) in [
+            ("id", self.id.len()),
+            ("velocity", self.velocity.len()),
+            ("spin", self.spin.len()),
+            ("radius", self.radius.len()),
+            ("mass", self.mass.len()),
+        ] {
+            if found != expected {
+                return Err(DemError::Length { what, found, expected });
+            }
+        }
+        for i in 0..expected {
+            let particle = self.id[i];
+            for (quantity, value) in [("radius", self.radius[i]), ("mass", self.mass[i])] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(DemError::BadParticle { particle, quantity, value });
+                }
+            }
+            for (quantity, v) in [
+                ("position", self.position[i]),
+                ("velocity", self.velocity[i]),
+                ("spin", self.spin[i]),
+            ] {
+                if !v.iter().all(|c| c.is_finite()) {
+                    return Err(DemError::NotFinite { particle, quantity });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Volume of a sphere (m³).
+fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+fn permute<T: Copy>(values: &mut Vec<T>, from: &[u32]) {
+    *values = from.iter().map(|&i| values[i as usize]).collect();
+}
