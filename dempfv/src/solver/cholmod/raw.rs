@@ -68,7 +68,11 @@ impl Raw {
         // only reads them.
         raw.l = unsafe { sys::cholmod_l_analyze(&mut view, &mut *raw.common) };
         raw.outcome()?;
-        Ok(raw)
+        // SAFETY: no fault, so the analysis returned a factor.
+        let ordering = unsafe { (*raw.l).ordering };
+        // Without memory for METIS, CHOLMOD takes AMD and says nothing: more
+        // fill, and other bits than with memory.
+        if ordering == sys::CHOLMOD_METIS as c_int { Ok(raw) } else { Err(Fault::OutOfMemory) }
     }
 
     /// Factors a matrix of the pattern that was analyzed.
@@ -189,7 +193,7 @@ impl Drop for Raw {
 
 /// CHOLMOD factors by supernodes where the operations per entry of the factor
 /// exceed this; below, the calls of the BLAS cost more than they save.
-const SUPERNODAL_SWITCH: f64 = 40.0;
+const SUPERNODAL_SWITCH: f64 = 150.0;
 
 /// LLᵀ with METIS, silent, stopping at the first bad pivot.
 fn configure(common: &mut sys::cholmod_common) {
@@ -202,9 +206,9 @@ fn configure(common: &mut sys::cholmod_common) {
     common.supernodal_switch = SUPERNODAL_SWITCH;
     common.final_ll = 1;
     common.quick_return_if_not_posdef = 1;
-    // METIS would end the process without memory; CHOLMOD tries beforehand
-    // whether there is as much as METIS may need.
-    common.metis_memory = 1.0;
+    // METIS does not survive a lack of memory everywhere; CHOLMOD tries
+    // beforehand whether there is twice as much as METIS commonly needs.
+    common.metis_memory = 2.0;
     sys::set_openmp_threads(common, 1);
 }
 
