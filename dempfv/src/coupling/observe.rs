@@ -55,7 +55,7 @@ impl Coupled {
             wall_displacement: dem.walls().each_ref().map(|w| w.displacement),
             porosity: dem.porosity(),
             unbalanced_force: self.unbalanced_force(),
-            contacts: dem.contact_count(),
+            contacts: dem.sphere_contact_count() + dem.wall_contact_count(),
             coordination_number: dem.coordination_number(),
             kinetic_energy: dem.kinetic_energy(),
             elastic_energy: dem.elastic_energy(),

@@ -27,12 +27,12 @@ pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
             let sizes = match &cloud.sizes {
                 Sizes::Uniform { spread, .. } => SizeDistribution::Uniform { spread: *spread },
                 Sizes::Classes(classes) => {
-                    SizeDistribution::Classes(classes.iter().map(|c| (c.radius, c.share)).collect())
+                    SizeDistribution::List(classes.iter().map(|c| (c.radius, c.share)).collect())
                 }
             };
             let scale = match &cloud.sizes {
                 Sizes::Uniform { mean, .. } => CloudScale::MeanRadius(*mean),
-                Sizes::Classes(_) => CloudScale::AsGiven,
+                Sizes::Classes(_) => CloudScale::AsListed,
             };
             let spec = CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
             let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();

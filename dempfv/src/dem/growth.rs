@@ -101,6 +101,11 @@ impl GrowthCompaction {
         self.status
     }
 
+    /// The time step in use (s); 0 before the first step.
+    pub fn time_step(&self) -> f64 {
+        self.dt
+    }
+
     /// One time step, unless the packing is at rest already.
     ///
     /// # Errors

@@ -23,6 +23,8 @@ const FINEST: f64 = 1e-4;
 pub struct State {
     result: Consolidation,
     drained: WallId,
+    /// Pressure imposed there (Pa): excess pressures are above it.
+    outside: f64,
     until: f64,
     profiles_left: Vec<f64>,
     start_time: f64,
@@ -42,7 +44,7 @@ impl State {
             .ok_or_else(|| missing("a measured permeability along its axis"))?
             .permeability_m2;
         context.saturate()?;
-        let (viscosity, drained) = drainage(context, plan.wall)?;
+        let (viscosity, drained, outside) = drainage(context, plan.wall)?;
 
         let dem = &mut context.coupled.dem;
         let before = match dem.walls()[plan.wall.index()].control {
@@ -66,6 +68,7 @@ impl State {
                 profiles: vec![],
             },
             drained,
+            outside,
             until: plan.until_tv,
             profiles_left: plan.profiles.clone(),
             start_time: context.clock.time,
@@ -119,7 +122,7 @@ impl State {
             time_factor,
             settlement_m: settlement,
             degree: settlement / self.result.final_settlement_m,
-            base_pressure: mean_pressure_at(flow, self.drained.opposite()) / self.result.load_pa,
+            base_pressure: (mean_pressure_at(flow, self.drained.opposite()) - self.outside) / self.result.load_pa,
         }
     }
 
@@ -130,7 +133,7 @@ impl State {
         for ((center, volume), pressure) in flow.network.center.iter().zip(&flow.network.volume).zip(flow.pressure()) {
             let depth = self.drained.inward() * (center[axis] - bounds.wall(self.drained)) / height;
             let slab = (depth * SLABS as f64).clamp(0.0, SLABS as f64 - 1.0) as usize;
-            sums[slab].0 += volume * pressure;
+            sums[slab].0 += volume * (pressure - self.outside);
             sums[slab].1 += volume;
         }
         let filled = (0..SLABS).filter(|&k| sums[k].1 > 0.0);
@@ -143,11 +146,11 @@ impl State {
 
 /// The fluid's viscosity and the one drained wall, which must be an end of the
 /// loaded axis for the theory of one-way drainage to hold.
-fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId)> {
+fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
     let fluid = context.plan.fluid.as_ref();
-    let walls: Vec<WallId> = fluid.into_iter().flat_map(|f| f.pressure_walls().map(|(wall, _)| wall)).collect();
+    let walls: Vec<(WallId, f64)> = fluid.into_iter().flat_map(|f| f.pressure_walls()).collect();
     match (fluid, &walls[..]) {
-        (Some(fluid), &[wall]) if wall.axis() == loaded.axis() => Ok((fluid.viscosity, wall)),
+        (Some(fluid), &[(wall, outside)]) if wall.axis() == loaded.axis() => Ok((fluid.viscosity, wall, outside)),
         _ => Err(InputError::new(
             "a consolidate stage needs one-way drainage",
             format!("impose a pressure on {loaded} or {} alone", loaded.opposite()),

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use super::stages;
 use crate::domain::{Aabb, WallId};
 use crate::error::InputError;
+use crate::pfv::Clamp;
 use crate::scene::keys;
 use crate::scene::plan::*;
+use crate::solver::SolverKind;
 use crate::scene::table::{Bound, Table, Value};
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -208,16 +210,17 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         None => remesh_strain.is_none().then_some(200),
     };
     let clamp = table.get("clamp").map(|v| {
-        v.choice(&[("none", Clamp::None), ("yade", Clamp::Yade), ("relative", Clamp::Relative)])
+        v.choice(&Clamp::ALL.map(|c| (c.name(), c)))
     });
-    let solver = table.get("solver").map(|v| v.choice(&[("cholmod", Solver::Cholmod)]));
+    let solvers: Vec<_> = SolverKind::ALL.iter().map(|&s| (s.name(), s)).collect();
+    let solver = table.get("solver").map(|v| v.choice(&solvers));
     Ok(Fluid {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
         remesh_interval,
         remesh_strain,
         slip_walls: table.flag_or("slip_walls", true)?,
-        clamp: clamp.transpose()?.unwrap_or(Clamp::None),
-        solver: solver.transpose()?.unwrap_or(Solver::Cholmod),
+        clamp: clamp.transpose()?.unwrap_or_default(),
+        solver: solver.transpose()?.unwrap_or_default(),
         pressure: read_conditions(&table)?,
     })
 }
