@@ -2,7 +2,6 @@
 
 use super::coupled::{RemeshRule, Saturation};
 use crate::dem::{self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial};
-use crate::io::packing::Packing;
 use crate::pfv;
 use crate::scene::{self, ParticleSource, Plan, Sizes};
 use crate::{Aabb, InputError, Result, Vec3};
@@ -14,31 +13,22 @@ use crate::{Aabb, InputError, Result, Vec3};
 /// When the file is missing or wrong, a sphere lies outside the box, two
 /// coincide, or the cloud does not fit.
 pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
-    match &plan.particles.source {
-        ParticleSource::Packing(path) => {
-            let packing = Packing::read(path)?;
-            let bounds = plan.bounds.or(packing.bounds_or_tight());
-            let bounds = bounds.ok_or_else(|| InputError::new("the packing is empty", "give at least one sphere"))?;
-            scene::validate_packing(&packing.position, &packing.radius, Some(&packing.line), &bounds, Some(path))?;
-            Ok((packing.position, packing.radius, bounds))
-        }
-        ParticleSource::Cloud(cloud) => {
-            let bounds = plan.bounds.ok_or_else(|| InputError::new("a cloud needs a box", "add a table [box] with min and max"))?;
-            let sizes = match &cloud.sizes {
-                Sizes::Uniform { spread, .. } => SizeDistribution::Uniform { spread: *spread },
-                Sizes::Classes(classes) => {
-                    SizeDistribution::List(classes.iter().map(|c| (c.radius, c.share)).collect())
-                }
-            };
-            let scale = match &cloud.sizes {
-                Sizes::Uniform { mean, .. } => CloudScale::MeanRadius(*mean),
-                Sizes::Classes(_) => CloudScale::AsListed,
-            };
-            let spec = CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
-            let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();
-            Ok((position, radius, bounds))
-        }
+    if let Some((packing, bounds)) = plan.packing()? {
+        return Ok((packing.position, packing.radius, bounds));
     }
+    let (ParticleSource::Cloud(cloud), Some(bounds)) = (&plan.particles.source, plan.bounds) else {
+        return Err(InputError::new("a cloud needs a box", "add a table [box] with min and max").into());
+    };
+    let (sizes, scale) = match &cloud.sizes {
+        Sizes::Uniform { mean, spread } => (SizeDistribution::Uniform { spread: *spread }, CloudScale::MeanRadius(*mean)),
+        Sizes::Classes(classes) => {
+            let list = classes.iter().map(|c| (c.radius, c.share)).collect();
+            (SizeDistribution::List(list), CloudScale::AsListed)
+        }
+    };
+    let spec = CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
+    let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();
+    Ok((position, radius, bounds))
 }
 
 /// The mechanics of a plan, at rest.

@@ -1,0 +1,143 @@
+//! `dempfv pack`: makes a settled packing.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use dempfv::coupling::{Compaction, Outcome, Simulation};
+use dempfv::io::packing;
+use dempfv::scene::{Plan, StageKind};
+use dempfv::{Error, InputError};
+use serde::Serialize;
+
+use super::Context;
+use super::format::{count, si, three_digits};
+use super::output::{OutputArgs, make_folder};
+
+/// File in the output folder that holds the packing.
+const FILE: &str = "packing.txt";
+
+/// What `pack` takes: a scene with a compact stage, or the options that stand
+/// for one.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Scene file with a compact stage; the packing is that stage's
+    #[arg(conflicts_with_all = ["count", "spread", "edge", "stress", "young", "friction", "seed"])]
+    scene: Option<PathBuf>,
+    /// Number of spheres
+    #[arg(long, default_value_t = 1000)]
+    count: u32,
+    /// Radii are uniform in mean·(1 ± SPREAD)
+    #[arg(long, default_value_t = 0.3)]
+    spread: f64,
+    /// Edge of the cubical box (m)
+    #[arg(long, default_value_t = 1.0)]
+    edge: f64,
+    /// Isotropic stress (Pa)
+    #[arg(long, default_value_t = 1e4)]
+    stress: f64,
+    /// Contact modulus (Pa)
+    #[arg(long, default_value_t = 1e6)]
+    young: f64,
+    /// Friction angle while packing (degrees): low packs densely
+    #[arg(long, default_value_t = 3.0)]
+    friction: f64,
+    /// Seed of the random cloud
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// The packing that was made.
+#[derive(Serialize)]
+pub struct Report {
+    file: PathBuf,
+    particles: usize,
+    steps: u64,
+    #[serde(flatten)]
+    compaction: Compaction,
+}
+
+/// Grows a packing and writes it.
+///
+/// # Errors
+/// What is wrong in the scene or the options, or why the packing does not
+/// settle.
+pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
+    let plan = compaction_plan(args)?;
+    let name = args.scene.clone().unwrap_or_else(|| PathBuf::from("packing"));
+    let folder = args.output.folder(&name, FILE)?;
+    let interrupted = context.interruption()?;
+    let mut simulation = Simulation::new(plan)?;
+    let mut progress = context.progress();
+    progress.begin("compact", 0, false);
+    while simulation.advance()? {
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(InputError::new("interrupted", "nothing was written").into());
+        }
+        let coupled = simulation.coupled();
+        progress.update(simulation.step(), None, || si(coupled.dem.mean_wall_stress(), "Pa"));
+    }
+    progress.end(simulation.step(), "");
+    let Some(Outcome::Compact(compaction)) = simulation.outcomes().last().map(|o| o.outcome.clone()) else {
+        return Err(InputError::new("the scene has no compact stage", "add one").into());
+    };
+    make_folder(&folder)?;
+    let file = folder.join(FILE);
+    write(&file, &simulation, &compaction)?;
+    Ok(Report { file, particles: simulation.coupled().dem.particles().len(), steps: simulation.step(), compaction })
+}
+
+/// The scene up to its first compact stage.
+fn compaction_plan(args: &Args) -> Result<Plan, InputError> {
+    let Some(scene) = &args.scene else { return Plan::from_toml(&scene_text(args), None) };
+    let mut plan = Plan::load(scene)?;
+    let compact = plan.stages.iter().position(|s| matches!(s.kind, StageKind::Compact(_)));
+    let compact = compact.ok_or_else(|| {
+        InputError::new("no stage of the kind compact", "add one: it is what makes a packing").in_file(scene)
+    })?;
+    plan.stages.truncate(compact + 1);
+    Ok(plan)
+}
+
+/// The options as a scene, so that they meet the same checks.
+fn scene_text(args: &Args) -> String {
+    let Args { count, spread, edge, stress, young, friction, seed, .. } = args;
+    format!(
+        "title = \"packing\"\nseed = {seed}\n\
+         [box]\nmin = [0, 0, 0]\nmax = [{edge:?}, {edge:?}, {edge:?}]\n\
+         [particles]\nyoung = {young:?}\ncloud = {{ count = {count}, spread = {spread:?}, porosity = 0.9 }}\n\
+         [dem]\n\
+         [[stage]]\nkind = \"compact\"\nstress = {stress:?}\nfriction_angle = {friction:?}\n"
+    )
+}
+
+fn write(file: &std::path::Path, simulation: &Simulation, compaction: &Compaction) -> Result<(), Error> {
+    let dem = &simulation.coupled().dem;
+    let particles = dem.particles();
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&i| particles.id[i]);
+    let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();
+    let radius: Vec<_> = order.iter().map(|&i| particles.radius[i]).collect();
+    let comment = format!(
+        "{}: settled at {:.6e} Pa by growth (dempfv {}, seed {}); metres",
+        simulation.plan().title,
+        compaction.stress_pa,
+        env!("CARGO_PKG_VERSION"),
+        simulation.plan().seed
+    );
+    packing::write(file, &position, &radius, Some(&dem.box_()), &comment)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "  particles            {}", count(self.particles as u64))?;
+        writeln!(f, "  steps                {}", count(self.steps))?;
+        writeln!(f, "  stress               {}", si(self.compaction.stress_pa, "Pa"))?;
+        writeln!(f, "  unbalanced force     {:.1e}", self.compaction.unbalanced_force)?;
+        writeln!(f, "  porosity             {}", three_digits(self.compaction.porosity))?;
+        writeln!(f, "  coordination number  {}", three_digits(self.compaction.coordination_number))?;
+        writeln!(f, "  written              {}", self.file.display())
+    }
+}

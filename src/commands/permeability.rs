@@ -1,0 +1,75 @@
+//! `dempfv permeability`: the permeability of a packing along each axis.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use dempfv::pfv::{Boundary, Flow};
+use dempfv::scene::load_packing;
+use dempfv::theory::{kozeny_carman, sauter_diameter};
+use dempfv::{Error, InputError, WallId};
+use serde::Serialize;
+
+use super::format::{si, three_digits};
+use super::network::FluidArgs;
+
+/// What `permeability` takes.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Packing file
+    pub packing: PathBuf,
+    #[command(flatten)]
+    fluid: FluidArgs,
+}
+
+/// Permeability by axis.
+#[derive(Serialize)]
+pub struct Report {
+    axes: Vec<Axis>,
+    porosity: f64,
+    sauter_diameter_m: f64,
+    kozeny_carman_m2: f64,
+}
+
+#[derive(Serialize)]
+struct Axis {
+    axis: &'static str,
+    permeability_m2: f64,
+    flux_m3_s: f64,
+    imbalance: f64,
+}
+
+/// Solves one static flow per axis: 1 Pa on the lower wall, 0 on the upper, no
+/// flow through the others.
+///
+/// # Errors
+/// What is wrong in the packing or the options, or why there is no network or
+/// no solution.
+pub fn run(args: &Args) -> Result<Report, Error> {
+    let (packing, bounds) = load_packing(&args.packing, None)?;
+    let mut axes = Vec::new();
+    for (axis, wall) in [("x", WallId::XMin), ("y", WallId::YMin), ("z", WallId::ZMin)] {
+        let mut boundary = Boundary::default();
+        boundary.pressure[wall.index()] = Some(1.0);
+        boundary.pressure[wall.opposite().index()] = Some(0.0);
+        let (fluid, solver) = args.fluid.fluid(boundary)?;
+        let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
+        flow.solve_static()?;
+        let measured = flow.permeability(wall, &fluid);
+        let k = measured.ok_or_else(|| InputError::new("no flow to measure", "give a packing with pores"))?;
+        axes.push(Axis { axis, permeability_m2: k.value, flux_m3_s: k.flux, imbalance: k.imbalance });
+    }
+    let solid: f64 = packing.radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+    let (porosity, sauter_diameter_m) = (1.0 - solid / bounds.volume(), sauter_diameter(&packing.radius));
+    Ok(Report { axes, porosity, sauter_diameter_m, kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter_m) })
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for a in &self.axes {
+            writeln!(f, "  k along {}       {:.6e} m²", a.axis, a.permeability_m2)?;
+        }
+        writeln!(f, "  Kozeny-Carman   {:.6e} m²", self.kozeny_carman_m2)?;
+        let (n, d) = (three_digits(self.porosity), si(self.sauter_diameter_m, "m"));
+        writeln!(f, "                  (porosity {n}, Sauter mean diameter {d})")
+    }
+}
