@@ -5,10 +5,11 @@
 //! are `symmetric`, or `general` with a symmetric content. Rows and columns
 //! are counted from 1 in the file and in messages about it.
 
-use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 
+use super::atomic;
 use crate::error::{Error, InputError, Result};
 use crate::solver::SymmetricCsc;
 
@@ -58,14 +59,16 @@ pub fn read_vector(path: &Path, n: usize) -> Result<Vec<f64>> {
 /// # Errors
 /// [`Error::Io`] if the file cannot be written.
 pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
-    let mut text = String::from("%%MatrixMarket matrix coordinate real symmetric\n");
-    let _ = writeln!(text, "{} {} {}", a.n, a.n, a.nnz());
-    for j in 0..a.n {
-        for k in a.col_ptr[j] as usize..a.col_ptr[j + 1] as usize {
-            let _ = writeln!(text, "{} {} {:e}", a.row_idx[k] + 1, j + 1, a.values[k]);
+    atomic::write_with(path, |file| {
+        writeln!(file, "%%MatrixMarket matrix coordinate real symmetric")?;
+        writeln!(file, "{} {} {}", a.n, a.n, a.nnz())?;
+        for j in 0..a.n {
+            for k in a.col_ptr[j] as usize..a.col_ptr[j + 1] as usize {
+                writeln!(file, "{} {} {:e}", a.row_idx[k] + 1, j + 1, a.values[k])?;
+            }
         }
-    }
-    fs::write(path, text).map_err(|e| Error::io(path, e))
+        Ok(())
+    })
 }
 
 /// Writes a vector as `array real general`; reading it again gives the same
@@ -74,12 +77,11 @@ pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] if the file cannot be written.
 pub fn write_vector(path: &Path, vector: &[f64]) -> Result<()> {
-    let mut text = String::from("%%MatrixMarket matrix array real general\n");
-    let _ = writeln!(text, "{} 1", vector.len());
-    for value in vector {
-        let _ = writeln!(text, "{value:e}");
-    }
-    fs::write(path, text).map_err(|e| Error::io(path, e))
+    atomic::write_with(path, |file| {
+        writeln!(file, "%%MatrixMarket matrix array real general")?;
+        writeln!(file, "{} 1", vector.len())?;
+        vector.iter().try_for_each(|value| writeln!(file, "{value:e}"))
+    })
 }
 
 /// One entry, counted from 0, and the line it stands on, counted from 1.

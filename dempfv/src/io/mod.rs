@@ -6,5 +6,6 @@
 pub mod atomic;
 pub mod checkpoint;
 pub mod history;
+pub mod matrix_market;
 pub mod packing;
 pub mod vtk;
