@@ -1,6 +1,7 @@
 //! Which effects a plan simulates, by name.
 
 use super::plan::*;
+use crate::pfv::Clamp;
 
 impl Plan {
     /// Every effect the program knows, and whether this plan simulates it.

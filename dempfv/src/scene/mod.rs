@@ -16,7 +16,7 @@ mod table;
 pub use estimate::{Estimate, Specimen, StepBounds};
 pub use packing_check::{load_packing, validate_packing};
 pub use plan::{
-    Axis, Clamp, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
-    Permeability, Plan, Run, SizeClass, Sizes, Solver, Stage, StageKind, TimeStep, Until,
+    Axis, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
+    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until,
     WallControl, Walls,
 };

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::domain::{Aabb, Vec3, WallId};
+use crate::pfv::Clamp;
+use crate::solver::SolverKind;
 
 /// A validated scene: what is simulated, with which numbers, in which order.
 ///
@@ -176,7 +178,7 @@ pub struct Fluid {
     /// Bounds on conductances. Default: none.
     pub clamp: Clamp,
     /// Linear solver. Default: CHOLMOD.
-    pub solver: Solver,
+    pub solver: SolverKind,
     /// Imposed pressure on each wall (Pa), by the wall's index; `None`: no flow through it.
     pub pressure: [Option<f64>; 6],
 }
@@ -185,35 +187,6 @@ impl Fluid {
     /// Walls with an imposed pressure, in the order of their indices.
     pub fn pressure_walls(&self) -> impl Iterator<Item = (WallId, f64)> + '_ {
         WallId::ALL.into_iter().filter_map(|w| Some((w, self.pressure[w.index()]?)))
-    }
-}
-
-/// Bounds on conductances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Clamp {
-    /// None: every conductance as the geometry gives it.
-    None,
-    /// YADE's bounds, whose effect depends on the unit of length; for comparisons.
-    Yade,
-    /// Bounds relative to the packing's own conductances, the same in every unit of length.
-    Relative,
-}
-
-/// Linear solver for the pore pressures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Solver {
-    /// CHOLMOD, supernodal LLᵀ.
-    Cholmod,
-}
-
-impl Solver {
-    /// The name in scene files and results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Solver::Cholmod => "cholmod",
-        }
     }
 }
 

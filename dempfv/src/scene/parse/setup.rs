@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use super::stages;
 use crate::domain::{Aabb, WallId};
 use crate::error::InputError;
+use crate::pfv::Clamp;
+use crate::solver::SolverKind;
 use crate::scene::keys;
 use crate::scene::plan::*;
 use crate::scene::table::{Bound, Table, Value};
@@ -207,17 +209,16 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         Some(v) => Some(v.count(1)?),
         None => remesh_strain.is_none().then_some(200),
     };
-    let clamp = table.get("clamp").map(|v| {
-        v.choice(&[("none", Clamp::None), ("yade", Clamp::Yade), ("relative", Clamp::Relative)])
-    });
-    let solver = table.get("solver").map(|v| v.choice(&[("cholmod", Solver::Cholmod)]));
+    let clamp = table.get("clamp").map(|v| v.choice(&Clamp::ALL.map(|c| (c.name(), c))));
+    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
+    let solver = table.get("solver").map(|v| v.choice(&solvers));
     Ok(Fluid {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
         remesh_interval,
         remesh_strain,
         slip_walls: table.flag_or("slip_walls", true)?,
-        clamp: clamp.transpose()?.unwrap_or(Clamp::None),
-        solver: solver.transpose()?.unwrap_or(Solver::Cholmod),
+        clamp: clamp.transpose()?.unwrap_or_default(),
+        solver: solver.transpose()?.unwrap_or_default(),
         pressure: read_conditions(&table)?,
     })
 }
