@@ -1,7 +1,7 @@
 //! Scene files: what the user wrote, read and checked into a [`Plan`].
 //!
-//! This is the only room that reads scene files. A [`Plan`] is plain data; it names
-//! solvers and clamps, and knows neither particles nor pores.
+//! This is the only room that reads scene files. A [`Plan`] is plain data; it knows
+//! neither particles nor pores.
 
 mod effects;
 mod estimate;
@@ -14,9 +14,10 @@ mod rules;
 mod table;
 
 pub use estimate::{Estimate, Specimen, StepBounds};
+pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};
 pub use plan::{
     Axis, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
-    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until,
-    WallControl, Walls,
+    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until, WallControl,
+    Walls,
 };

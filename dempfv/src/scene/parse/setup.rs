@@ -8,8 +8,8 @@ use crate::error::InputError;
 use crate::pfv::Clamp;
 use crate::scene::keys;
 use crate::scene::plan::*;
-use crate::solver::SolverKind;
 use crate::scene::table::{Bound, Table, Value};
+use crate::solver::SolverKind;
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -49,13 +49,14 @@ fn read_box(value: &Value) -> Result<Aabb> {
 }
 
 fn read_particles(root: &Table, bounds: Option<&Aabb>) -> Result<Particles> {
-    let value = root.need("particles", "a table with `packing` or `cloud`")?;
+    let value = root.need("particles", "[particles] with `packing` or `cloud`")?;
     let table = value.table(&keys::PARTICLES)?;
     let source = match (table.get("packing"), table.get("cloud")) {
         (Some(file), None) => ParticleSource::Packing(read_packing_path(&file)?),
         (None, Some(cloud)) => ParticleSource::Cloud(read_cloud(&cloud, bounds)?),
-        (Some(_), Some(cloud)) => {
-            return Err(cloud.error("stands beside `packing`", "keep one of the two"));
+        (Some(file), Some(cloud)) => {
+            let later = if file.at > cloud.at { file } else { cloud };
+            return Err(later.error("is a second source of spheres", "keep `packing` or `cloud`"));
         }
         (None, None) => {
             return Err(root.source.error(
@@ -209,10 +210,8 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         Some(v) => Some(v.count(1)?),
         None => remesh_strain.is_none().then_some(200),
     };
-    let clamp = table.get("clamp").map(|v| {
-        v.choice(&Clamp::ALL.map(|c| (c.name(), c)))
-    });
-    let solvers: Vec<_> = SolverKind::ALL.iter().map(|&s| (s.name(), s)).collect();
+    let clamp = table.get("clamp").map(|v| v.choice(&Clamp::ALL.map(|c| (c.name(), c))));
+    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
     let solver = table.get("solver").map(|v| v.choice(&solvers));
     Ok(Fluid {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
