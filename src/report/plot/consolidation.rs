@@ -26,7 +26,7 @@ pub struct Consolidation<'a> {
 
 const THEORY: Mark = Mark::Line { width: 1.6, dash: None };
 const THEORY_PLAIN: Mark = Mark::Line { width: 1.3, dash: Some([5.0, 3.0]) };
-const MEASURED: Mark = Mark::Dots { radius: 3.0, apart: 11.0 };
+const MEASURED: Mark = Mark::Dots { radius: 3.0, apart: 20.0 };
 /// Points of a theory's curve.
 const CURVE: usize = 600;
 
@@ -34,7 +34,7 @@ const CURVE: usize = 600;
 /// plain and with the drained top counted.
 pub fn consolidation(c: &Consolidation) -> Picture {
     let mut picture = Picture::new(900.0, 430.0);
-    let top = heading(&mut picture, "Consolidation against Terzaghi's theory", c.caption);
+    let top = heading(&mut picture, "Consolidation against Terzaghi’s theory", c.caption);
     let end = c.time_factor.iter().copied().fold(0.0, f64::max).clamp(0.1, 1.5);
     // Dense where the curves are steep.
     let t: Vec<f64> = (0..=CURVE).map(|i| end * (i as f64 / CURVE as f64).powi(3)).collect();
@@ -52,13 +52,19 @@ pub fn consolidation(c: &Consolidation) -> Picture {
     let middle = 0.5 * picture.width;
     let room = |left, right, p: &Picture| Rect { left, right, top: top + legend + 8.0, bottom: p.height - MARGIN };
     let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").from_to(0.0, end);
-    let y = Axis::linear("Degree of consolidation *U*").from_to(0.0, 1.04);
+    let y = Axis::linear("Degree of consolidation *U*").from_to(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
-    let y = Axis::linear("Base pressure / initial excess pressure").from_to(0.0, 1.04);
+    let y = Axis::linear("Base pressure / initial excess pressure").from_to(0.0, upper(c.base_pressure));
     let area = room(middle + 8.0, edge, &picture);
     Panel { title: "Pressure at the sealed base", x, y, series: &right }.draw(&mut picture, area);
     picture
+}
+
+/// Upper end of an axis of shares: a little above 1, or above the data if they
+/// overshoot.
+fn upper(values: &[f64]) -> f64 {
+    0.04 + values.iter().copied().filter(|v| v.is_finite()).fold(1.0, f64::max).min(2.0)
 }
 
 /// The measured series above the theory with and without the drained top.
@@ -102,7 +108,7 @@ pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Pict
         .iter()
         .map(|p| height.iter().map(|h| theory::excess_pressure(1.0 - h / wet, p.time_factor / (wet * wet))).collect())
         .collect();
-    let color = |i: usize| viridis(0.9 * i as f64 / (profiles.len().max(2) - 1) as f64);
+    let color = |i: usize| viridis(0.87 * i as f64 / (profiles.len().max(2) - 1) as f64);
     let mut series: Vec<Series> = (theory.iter().enumerate())
         .map(|(i, p)| Series { name: None, x: p, y: &height, color: color(i), mark: THEORY })
         .collect();
@@ -111,9 +117,10 @@ pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Pict
         Series { name: None, x: p.pressure, y: p.height, color: color(i), mark: dots }
     }));
     let room = Rect { left: MARGIN, top: top + 8.0, right: picture.width - 130.0, bottom: picture.height - MARGIN };
+    let measured: Vec<f64> = profiles.iter().flat_map(|p| p.pressure).copied().collect();
     let area = Panel {
         title: "",
-        x: Axis::linear("Excess pressure / initial excess pressure").from_to(0.0, 1.05),
+        x: Axis::linear("Excess pressure / initial excess pressure").from_to(0.0, upper(&measured)),
         y: Axis::linear("Height / height of the layer").from_to(0.0, 1.0),
         series: &series,
     }

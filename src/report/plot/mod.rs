@@ -1,16 +1,16 @@
 //! Pictures: the same drawing as SVG and as PNG, without any font or library
 //! of the machine.
 
-mod axis;
+pub mod axis;
 mod chart;
-mod color;
+pub mod color;
 mod consolidation;
 mod panel;
-mod picture;
+pub mod picture;
 mod png;
-mod section;
+pub mod section;
 mod svg;
-mod text;
+pub mod text;
 
 use std::path::Path;
 

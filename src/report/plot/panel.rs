@@ -18,8 +18,8 @@ const TICK_ROOM: (f64, f64) = (62.0, 42.0);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mark {
     Line { width: f64, dash: Option<[f64; 2]> },
-    /// Discs of a radius, at least `apart` from one to the next along the
-    /// series (0: every point).
+    /// Discs of a radius, each at least `apart` from the one before (0: every
+    /// point).
     Dots { radius: f64, apart: f64 },
 }
 
@@ -79,7 +79,7 @@ struct Margins {
 impl<'a> Panel<'a> {
     /// Draws into `room`; returns the area inside the axes.
     pub fn draw(&self, picture: &mut Picture, room: Rect) -> Rect {
-        let (x, y) = self.axes(room.width(), room.height());
+        let (x, y) = self.axes((room.width(), room.height()), TICK_ROOM);
         let margins = self.margins(&x, &y);
         let area = Rect {
             left: room.left + margins.left,
@@ -92,9 +92,9 @@ impl<'a> Panel<'a> {
     }
 
     /// Draws with an area of a given size inside the axes and the upper left
-    /// corner of all at `corner`; returns the area.
+    /// corner of all at `corner`, both axes divided alike; returns the area.
     pub fn draw_fitted(&self, picture: &mut Picture, corner: Point, size: (f64, f64)) -> Rect {
-        let (x, y) = self.axes(size.0, size.1);
+        let (x, y) = self.axes(size, (TICK_ROOM.1, TICK_ROOM.1));
         let margins = self.margins(&x, &y);
         let (left, top) = (corner.0 + margins.left, corner.1 + margins.top);
         let area = Rect { left, top, right: left + size.0, bottom: top + size.1 };
@@ -102,10 +102,10 @@ impl<'a> Panel<'a> {
         area
     }
 
-    fn axes(&self, width: f64, height: f64) -> (Placed<'a>, Placed<'a>) {
+    fn axes(&self, size: (f64, f64), per_tick: (f64, f64)) -> (Placed<'a>, Placed<'a>) {
         let x = self.series.iter().flat_map(|s| s.x).copied();
         let y = self.series.iter().flat_map(|s| s.y).copied();
-        (Placed::new(self.x, x, width, TICK_ROOM.0), Placed::new(self.y, y, height, TICK_ROOM.1))
+        (Placed::new(self.x, x, size.0, per_tick.0), Placed::new(self.y, y, size.1, per_tick.1))
     }
 
     fn margins(&self, x: &Placed, y: &Placed) -> Margins {
@@ -125,20 +125,10 @@ impl<'a> Panel<'a> {
         x.ends = [area.left, area.right];
         y.ends = [area.bottom, area.top];
         draw_grid(picture, area, &x, &y);
-        // Dots on the axes stay whole.
-        let air = 4.0;
-        let inside = Rect {
-            left: area.left - air,
-            top: area.top - air,
-            right: area.right + air,
-            bottom: area.bottom + air,
-        };
-        picture.clipped(inside, |picture| {
-            for series in self.series {
-                let points = series.x.iter().zip(series.y).map(|(&a, &b)| (x.place(a), y.place(b)));
-                draw_series(picture, series, points);
-            }
-        });
+        for series in self.series {
+            let points = series.x.iter().zip(series.y).map(|(&a, &b)| (x.place(a), y.place(b)));
+            draw_series(picture, series, area, points);
+        }
         draw_frame(picture, area, &x, &y);
         self.draw_labels(picture, area, margins);
     }
@@ -198,23 +188,27 @@ fn draw_frame(picture: &mut Picture, area: Rect, x: &Placed, y: &Placed) {
     }
 }
 
-fn draw_series(picture: &mut Picture, series: &Series, points: impl Iterator<Item = Point>) {
+fn draw_series(picture: &mut Picture, series: &Series, area: Rect, points: impl Iterator<Item = Point>) {
+    // A line along an edge keeps its width, a dot there stays whole.
+    let near = Rect {
+        left: area.left - 1.0,
+        top: area.top - 1.0,
+        right: area.right + 1.0,
+        bottom: area.bottom + 1.0,
+    };
     match series.mark {
-        Mark::Line { width, dash } => {
+        Mark::Line { width, dash } => picture.clipped(near, |picture| {
             let stroke = Stroke { color: series.color, width, dash };
             let points: Vec<_> = points.collect();
             for piece in points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
                 picture.shape(Path::polyline(thin_out(piece)), None, Some(stroke));
             }
-        }
+        }),
         Mark::Dots { radius, apart } => {
-            let mut travelled = apart;
-            let mut previous: Option<Point> = None;
-            for p in points.filter(|p| p.0.is_finite() && p.1.is_finite()) {
-                travelled += previous.map_or(0.0, |q| distance(p, q));
-                previous = Some(p);
-                if travelled >= apart {
-                    travelled = 0.0;
+            let mut last: Option<Point> = None;
+            for p in points.filter(|&p| near.contains(p)) {
+                if last.is_none_or(|q| distance(p, q) >= apart) {
+                    last = Some(p);
                     dot(picture, p, radius, series.color);
                 }
             }

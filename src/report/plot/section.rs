@@ -37,8 +37,6 @@ const SOLID: Color = Color(236, 236, 236);
 const RIM: Color = Color(120, 120, 120);
 const SIDE: f64 = 430.0;
 const BAR_WIDTH: f64 = 16.0;
-/// Right of the axes: gap, bar, numbers and the label.
-const BAR_ROOM: f64 = 104.0;
 
 /// Draws the section; the second axis after the normal one points up, or z
 /// where it is in the plane.
@@ -52,7 +50,8 @@ pub fn section(s: &Section) -> Picture {
     let size = s.bounds.size();
     let scale = SIDE / size[right].max(size[up]);
     let (w, h) = (scale * size[right], scale * size[up]);
-    let mut picture = Picture::new((w + 70.0 + BAR_ROOM + 2.0 * MARGIN).max(420.0), h + 2.0 * MARGIN + 110.0);
+    // Cut to size below, when it is known what numbers and labels take.
+    let mut picture = Picture::new(0.0, 0.0);
     let top = heading(&mut picture, s.title, s.caption) + 8.0;
     let (x_label, y_label) = (label(right), label(up));
     let panel = Panel {
@@ -62,7 +61,6 @@ pub fn section(s: &Section) -> Picture {
         series: &[],
     };
     let area = panel.draw_fitted(&mut picture, (MARGIN, top), (w, h));
-    picture.height = area.bottom + 52.0;
     let place = |p: Vec3| {
         let x = area.left + scale * (p[right] - s.bounds.min[right]);
         (x, area.bottom - scale * (p[up] - s.bounds.min[up]))
@@ -74,7 +72,8 @@ pub fn section(s: &Section) -> Picture {
         draw_spheres(picture, s, scale, place);
     });
     picture.shape(Path::rect(area), None, Some(Stroke::solid(INK, 0.8)));
-    draw_bar(&mut picture, s, area, range);
+    picture.width = draw_bar(&mut picture, s, area, range) + MARGIN;
+    picture.height = area.bottom + 52.0;
     picture
 }
 
@@ -82,7 +81,8 @@ pub fn section(s: &Section) -> Picture {
 fn cut_pores(s: &Section, place: impl Fn(Vec3) -> Point) -> Vec<(Vec<Point>, f64)> {
     let cut = |(cell, &value): (&[u32], &f64)| {
         let corners: Vec<Vec3> = cell.iter().map(|&v| s.points[v as usize]).collect();
-        let hull = hull(plane_points(&corners, s.axis, s.position).into_iter().map(&place).collect());
+        let points = plane_points(&corners, s.axis, s.position);
+        let hull = hull(points.into_iter().map(&place).collect());
         (hull.len() > 2).then_some((hull, value))
     };
     s.cells.iter().zip(s.values).filter_map(cut).collect()
@@ -90,7 +90,7 @@ fn cut_pores(s: &Section, place: impl Fn(Vec3) -> Point) -> Vec<(Vec<Point>, f64
 
 /// Where the lines between any two corners of a convex body meet the plane;
 /// the hull of these points is the cut.
-fn plane_points(corners: &[Vec3], axis: usize, position: f64) -> Vec<Vec3> {
+pub fn plane_points(corners: &[Vec3], axis: usize, position: f64) -> Vec<Vec3> {
     let mut points = Vec::new();
     for (i, a) in corners.iter().enumerate() {
         for b in &corners[i + 1..] {
@@ -104,7 +104,7 @@ fn plane_points(corners: &[Vec3], axis: usize, position: f64) -> Vec<Vec3> {
 }
 
 /// The convex hull, in order around it (Andrew's monotone chain).
-fn hull(mut points: Vec<Point>) -> Vec<Point> {
+pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();
     let turn = |a: Point, b: Point, c: Point| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
@@ -162,14 +162,15 @@ fn draw_spheres(picture: &mut Picture, s: &Section, scale: f64, place: impl Fn(V
     }
 }
 
-fn draw_bar(picture: &mut Picture, s: &Section, area: Rect, [low, high]: [f64; 2]) {
+/// The colours' key, right of the axes; returns where it ends.
+fn draw_bar(picture: &mut Picture, s: &Section, area: Rect, [low, high]: [f64; 2]) -> f64 {
     let bar = Rect { left: area.right + 20.0, right: area.right + 20.0 + BAR_WIDTH, ..area };
     let steps = 128;
     let height = |i: i32| bar.bottom - bar.height() * f64::from(i) / f64::from(steps);
     for i in 0..steps {
+        // Up to the top, to be painted over by the next: no seams.
         let color = viridis((f64::from(i) + 0.5) / f64::from(steps));
-        let slice = Rect { bottom: height(i), top: height(i + 1), ..bar };
-        picture.shape(Path::rect(slice), Some(color), Some(Stroke::solid(color, 0.3)));
+        picture.shape(Path::rect(Rect { bottom: height(i), ..bar }), Some(color), None);
     }
     picture.shape(Path::rect(bar), None, Some(Stroke::solid(INK, 0.8)));
     let (prefix, unit) = axis::prefix(low.abs().max(high.abs()));
@@ -185,5 +186,7 @@ fn draw_bar(picture: &mut Picture, s: &Section, area: Rect, [low, high]: [f64; 2
     }
     let label = format!("{} ({prefix}{})", s.quantity, s.unit);
     let style = Type { upward: true, ..label_style(11.5, Anchor::Middle) };
-    picture.text((bar.right + 8.0 + widest + 18.0, 0.5 * (bar.top + bar.bottom)), &label, style);
+    let right = bar.right + 8.0 + widest + 18.0;
+    picture.text((right, 0.5 * (bar.top + bar.bottom)), &label, style);
+    right
 }

@@ -10,7 +10,7 @@ use super::picture::{Item, Path, Picture, Point, Rect, Segment};
 pub fn render(picture: &Picture) -> String {
     let (w, h) = (picture.width, picture.height);
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}pt\" height=\"{h}pt\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" \
          viewBox=\"0 0 {w} {h}\">\n<rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
     );
     let mut clips: Vec<Rect> = Vec::new();

@@ -31,15 +31,14 @@ impl Face {
 
 /// A line of text, laid out from the origin along its baseline.
 ///
-/// Markup: `*T*` sets a symbol in italics, `_{v}` lowers, `^{2}` raises.
+/// Markup: `*T*` sets a symbol in italics, `_{v}` lowers, `^{2}` raises. What
+/// the fonts lack shows as a question mark.
 #[derive(Clone, Debug)]
 pub struct Layout {
     pub outline: Path,
     pub width: f64,
     /// The text without its markup.
     pub plain: String,
-    /// Characters that the fonts lack.
-    pub missing: Vec<char>,
 }
 
 /// Height of a capital letter relative to the size.
@@ -50,8 +49,7 @@ const RAISE: f64 = 0.38;
 
 impl Layout {
     pub fn new(markup: &str, face: Face, size: f64) -> Layout {
-        let mut layout =
-            Layout { outline: Path::default(), width: 0.0, plain: String::new(), missing: Vec::new() };
+        let mut layout = Layout { outline: Path::default(), width: 0.0, plain: String::new() };
         for run in runs(markup) {
             let face = if run.italic { Face::Italic } else { face };
             let (size, rise) = match run.script {
@@ -70,10 +68,7 @@ impl Layout {
         let scale = size / f64::from(font.units_per_em());
         let mut previous = None;
         for c in text.chars() {
-            let Some(glyph) = font.glyph_index(c) else {
-                self.missing.push(c);
-                continue;
-            };
+            let Some(glyph) = font.glyph_index(c).or_else(|| font.glyph_index('?')) else { continue };
             if let Some(previous) = previous {
                 self.width += scale * f64::from(kerning(&font, previous, glyph));
             }
