@@ -1,3 +1,5 @@
-//! What the program shows: progress while it runs.
+//! What the program shows: progress while it runs, pictures and tables after.
 
+pub mod plot;
 pub mod progress;
+pub mod table;

@@ -134,6 +134,15 @@ impl Cells {
         self.push(HEXAHEDRON, &vertices);
     }
 
+    /// The vertices of each cell in turn.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.offsets.iter().scan(0, |start, &end| {
+            let cell = &self.connectivity[*start..end as usize];
+            *start = end as usize;
+            Some(cell)
+        })
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.types.len()
