@@ -90,20 +90,6 @@ impl Network {
         cells.par_iter().map(|&cell| Pore::new(&frame, cell).map_or(f64::NAN, |p| p.volume)).collect()
     }
 
-    /// Corners of a pore's polyhedron (m): a tetrahedron's four, or those of
-    /// the prism, wedge or box between spheres and walls.
-    pub fn corners(&self, pore: usize, position: &[Vec3]) -> Vec<Vec3> {
-        let t = &self.tessellation;
-        let cell = t.cells[pore];
-        let mut corners: Vec<Vec3> = cell.iter().filter_map(|&v| position.get(v as usize).copied()).collect();
-        for wall in cell.iter().filter_map(|&v| t.wall(v)) {
-            let mut on_wall = corners.clone();
-            on_wall.iter_mut().for_each(|x| x[wall.axis()] = self.bounds.wall(wall));
-            corners.append(&mut on_wall);
-        }
-        corners
-    }
-
     /// Conductance across the facet opposite each vertex of a pore; 0 where
     /// there is no throat.
     pub fn conductances_of(&self, pore: usize) -> [f64; 4] {

@@ -1,0 +1,178 @@
+//! `dempfv run`: carries out a scene.
+
+mod history;
+mod pictures;
+mod recorder;
+mod summary;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use dempfv::coupling::{Outcome, Simulation, State};
+use dempfv::dem::DemError;
+use dempfv::io::checkpoint;
+use dempfv::scene::{Plan, StageKind};
+use dempfv::{Error, InputError, Result};
+
+use self::recorder::Recorder;
+pub use self::summary::Report;
+use super::Context;
+use super::format::si;
+use super::output::{OutputArgs, make_folder};
+use crate::report::progress::Progress;
+
+/// File that marks a result.
+const SUMMARY: &str = "summary.json";
+/// The latest state that a run can go on from.
+const CHECKPOINT: &str = "checkpoint.dempfv";
+/// A state to fall back on is kept this often.
+const SNAPSHOT: Duration = Duration::from_secs(30);
+
+/// What `run` takes.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    #[command(flatten)]
+    output: OutputArgs,
+    /// Go on from this checkpoint; its history is continued if it is in the output folder
+    #[arg(long, value_name = "CHECKPOINT")]
+    restart: Option<PathBuf>,
+    /// Stop after so many steps, with a checkpoint to go on from
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+}
+
+/// Carries out a scene and writes its results.
+///
+/// # Errors
+/// [`Error::Input`] when something that the user wrote is wrong; otherwise why
+/// the simulation cannot go on, after its checkpoint and results were kept.
+pub fn run(args: &Args, context: &Context) -> Result<Report> {
+    let plan = Plan::load(&args.scene)?;
+    let folder = args.output.folder(&args.scene, SUMMARY)?;
+    let interrupted = context.interruption()?;
+    let restarted_at = args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
+    let from = restarted_at.as_ref().map(|s| (s.step(), s.time()));
+    let mut simulation = match restarted_at {
+        Some(state) => Simulation::restart(plan, state)?,
+        None => Simulation::new(plan)?,
+    };
+    make_folder(&folder)?;
+    let recorder = Recorder::new(&folder, &simulation, from)?;
+    let mut session = Session { folder, recorder, progress: context.progress(), start: Instant::now(), first: simulation.step() };
+    let last = args.steps.map(|n| simulation.step() + n);
+    let stop = |s: &Simulation| interrupted.load(Ordering::Relaxed) || last.is_some_and(|last| s.step() >= last);
+    let ended = session.carry_out(&mut simulation, stop);
+    session.close(simulation, context, ended, interrupted.load(Ordering::Relaxed))
+}
+
+/// A run from its first step to its summary.
+struct Session {
+    folder: PathBuf,
+    recorder: Recorder,
+    progress: Progress,
+    start: Instant,
+    /// Step that this session began at.
+    first: u64,
+}
+
+impl Session {
+    /// Steps until the scene is done or `stop` says so. A failure leaves a
+    /// checkpoint behind.
+    fn carry_out(&mut self, simulation: &mut Simulation, stop: impl Fn(&Simulation) -> bool) -> Result<()> {
+        let mut kept = (simulation.state(), Instant::now());
+        self.begin_stage(simulation);
+        while simulation.stage().is_some() && !stop(simulation) {
+            let done = simulation.outcomes().len();
+            if let Err(error) = simulation.advance() {
+                let spoilt = matches!(&error, Error::AtStep { source, .. } if matches!(**source, Error::Dem(DemError::NotFinite { .. })));
+                let state = if spoilt { kept.0 } else { simulation.state() };
+                // Nothing is lost on top of the failure if this one fails too.
+                let _ = checkpoint::save(&self.folder.join(CHECKPOINT), &state);
+                return Err(error);
+            }
+            self.recorder.after_step(simulation)?;
+            if simulation.outcomes().len() > done {
+                self.end_stage(simulation)?;
+            } else {
+                self.progress.update(simulation.step(), simulation.stage_progress(), || value_of_interest(simulation));
+            }
+            if simulation.step() % 64 == 0 && kept.1.elapsed() > SNAPSHOT {
+                kept = (simulation.state(), Instant::now());
+            }
+        }
+        Ok(())
+    }
+
+    fn begin_stage(&mut self, simulation: &Simulation) {
+        if let Some(stage) = simulation.stage() {
+            let bounded = matches!(stage.kind, StageKind::Run(_) | StageKind::Consolidate(_));
+            self.progress.begin(&stage.name, simulation.step(), bounded);
+        }
+    }
+
+    fn end_stage(&mut self, simulation: &Simulation) -> Result<()> {
+        if let Some(outcome) = simulation.outcomes().last() {
+            self.progress.end(simulation.step(), &summary::headline(&outcome.outcome));
+            if simulation.plan().output.pictures {
+                pictures::of_stage(&self.folder, simulation, outcome)?;
+            }
+        }
+        self.begin_stage(simulation);
+        Ok(())
+    }
+
+    /// Writes what there is: history, summary, and a checkpoint unless all is
+    /// done.
+    fn close(mut self, simulation: Simulation, context: &Context, ended: Result<()>, interrupted: bool) -> Result<Report> {
+        self.recorder.flush()?;
+        let finished = ended.is_ok() && simulation.stage().is_none();
+        if ended.is_ok() && !finished {
+            checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
+        }
+        if simulation.plan().output.pictures {
+            pictures::of_end(&self.folder, &simulation)?;
+        }
+        let error = ended.as_ref().err().map(|e| e.to_string());
+        let status = summary::Status { finished, interrupted, error };
+        let steps = simulation.step() - self.first;
+        let report = Report::new(&simulation, context.threads, self.start.elapsed(), steps, status, &self.folder);
+        super::context::write_json(&self.folder.join(SUMMARY), &report)?;
+        match ended {
+            Ok(()) => Ok(report),
+            Err(Error::Input(error)) => Err(Error::Input(error)),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// What the progress line shows beside the rate.
+fn value_of_interest(simulation: &Simulation) -> String {
+    let coupled = simulation.coupled();
+    match simulation.stage().map(|s| &s.kind) {
+        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem.mean_wall_stress(), "Pa")),
+        Some(StageKind::Cycle(c)) => {
+            format!("σ {}  unbalanced {:.1e}", si(coupled.wall_stress(c.wall), "Pa"), coupled.unbalanced_force())
+        }
+        Some(StageKind::Consolidate(_)) => {
+            let pressure = coupled.flow().map_or(0.0, |f| f.pressure().iter().copied().fold(0.0, f64::max));
+            format!("t {}  largest p {}", si(simulation.time(), "s"), si(pressure, "Pa"))
+        }
+        _ => format!("t {}", si(simulation.time(), "s")),
+    }
+}
+
+/// Refuses a checkpoint that is not there before anything is written.
+pub fn check_restart(path: &Path) -> Result<(), InputError> {
+    match path.is_file() {
+        true => Ok(()),
+        false => Err(InputError::new("no such checkpoint", "name the file that an earlier run wrote").in_file(path)),
+    }
+}
+
+/// The last outcome of a kind, for pictures and summaries.
+fn last<'a, T>(simulation: &'a Simulation, pick: impl Fn(&'a Outcome) -> Option<&'a T>) -> Option<&'a T> {
+    simulation.outcomes().iter().rev().find_map(|o| pick(&o.outcome))
+}

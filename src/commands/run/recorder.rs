@@ -1,0 +1,120 @@
+//! What a run writes while it goes on: history, frames, checkpoints.
+
+use std::path::{Path, PathBuf};
+
+use dempfv::coupling::Simulation;
+use dempfv::io::checkpoint;
+use dempfv::io::history::History;
+use dempfv::io::vtk::{self, Collection, SphereFrame};
+use dempfv::{Result, Vec3};
+
+use super::history;
+
+/// Writes what the scene asks for, when it asks for it.
+pub struct Recorder {
+    folder: PathBuf,
+    history: History,
+    history_every: u64,
+    checkpoint_every: u64,
+    frames: Option<Frames>,
+    last_row: Option<u64>,
+}
+
+/// Frames for ParaView.
+struct Frames {
+    every: u64,
+    spheres: Collection,
+    pores: Collection,
+}
+
+impl Recorder {
+    /// Starts the files, or goes on with those of the run that `from` (step
+    /// and time) restarts.
+    pub fn new(folder: &Path, simulation: &Simulation, from: Option<(u64, f64)>) -> Result<Recorder> {
+        let output = &simulation.plan().output;
+        let columns = history::columns();
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let path = folder.join("history.csv");
+        let history = match from {
+            Some((step, _)) => History::resume(&path, &columns, "step", step)?,
+            None => History::create(&path, &columns)?,
+        };
+        let frames = (output.vtk_every > 0).then(|| Frames::new(folder, output.vtk_every, from)).transpose()?;
+        Ok(Recorder {
+            folder: folder.to_owned(),
+            history,
+            history_every: output.history_every,
+            checkpoint_every: output.checkpoint_every,
+            frames,
+            last_row: None,
+        })
+    }
+
+    /// Writes what is due after a step.
+    pub fn after_step(&mut self, simulation: &Simulation) -> Result<()> {
+        let step = simulation.step();
+        if self.last_row == Some(step) {
+            return Ok(());
+        }
+        self.last_row = Some(step);
+        let due = |every: u64| every > 0 && step % every == 0;
+        if due(self.history_every) {
+            let mut values = Vec::new();
+            history::row(simulation, &mut values);
+            self.history.row(&values)?;
+        }
+        if let Some(frames) = self.frames.as_mut().filter(|f| due(f.every)) {
+            frames.write(&self.folder, simulation)?;
+        }
+        if due(self.checkpoint_every) {
+            checkpoint::save(&self.folder.join(super::CHECKPOINT), &simulation.state())?;
+        }
+        Ok(())
+    }
+
+    /// Hands everything to the system.
+    pub fn flush(&mut self) -> Result<()> {
+        self.history.flush()
+    }
+}
+
+impl Frames {
+    fn new(folder: &Path, every: u64, from: Option<(u64, f64)>) -> Result<Frames> {
+        let open = |name: &str| {
+            let path = folder.join(name);
+            match from {
+                Some((_, time)) => Collection::resume(&path, time),
+                None => Ok(Collection::new(&path)),
+            }
+        };
+        Ok(Frames { every, spheres: open("spheres.pvd")?, pores: open("pores.pvd")? })
+    }
+
+    fn write(&mut self, folder: &Path, simulation: &Simulation) -> Result<()> {
+        let (step, time) = (simulation.step(), simulation.time());
+        let coupled = simulation.coupled();
+        let particles = coupled.dem.particles();
+        let fluid = coupled.flow().map(|f| f.force());
+        let force: Vec<Vec3> = match fluid {
+            Some(fluid) => coupled.dem.forces().iter().zip(fluid).map(|(a, b)| a + b).collect(),
+            None => coupled.dem.forces().to_vec(),
+        };
+        let name = format!("spheres-{step:09}.vtu");
+        let frame = SphereFrame {
+            position: &particles.position,
+            radius: &particles.radius,
+            velocity: &particles.velocity,
+            force: &force,
+            id: &particles.id,
+        };
+        vtk::write_spheres(&folder.join(&name), &frame)?;
+        self.spheres.push(time, &name)?;
+        let Some(flow) = coupled.flow() else { return Ok(()) };
+        let bounds = coupled.dem.box_();
+        let (points, cells) = flow.network.polyhedra(&particles.position, &bounds);
+        let volume = flow.network.volumes_at(&particles.position, &bounds);
+        let name = format!("pores-{step:09}.vtu");
+        vtk::write_cells(&folder.join(&name), &points, &cells, &[("pressure", flow.pressure()), ("volume", &volume)])?;
+        self.pores.push(time, &name)
+    }
+}
