@@ -80,6 +80,16 @@ pub enum Error {
     /// The linear solver failed.
     #[error(transparent)]
     Solver(#[from] SolverError),
+    /// A system in a file cannot be solved.
+    #[error("{}: {solver}: {source}{}", path.display(), in_file(source))]
+    System {
+        /// The file of the matrix.
+        path: PathBuf,
+        /// Name of the solver.
+        solver: &'static str,
+        /// What failed.
+        source: SolverError,
+    },
     /// A failure of the simulation, with the step at which it arose.
     #[error("step {step}: {source}")]
     AtStep {
@@ -108,6 +118,14 @@ impl Error {
     /// false when the simulation cannot go on (3).
     pub fn is_input(&self) -> bool {
         matches!(self, Error::Input(_))
+    }
+}
+
+/// Says where a file has the unknown that an error names.
+fn in_file(error: &SolverError) -> String {
+    match error.column() {
+        Some(column) => format!(", which is column {} of the file (counted from 1)", column + 1),
+        None => String::new(),
     }
 }
 

@@ -127,6 +127,7 @@ fn right_hand_side_must_fit() {
 }
 
 #[test]
-fn missing_file_is_an_io_error() {
-    assert!(matches!(read_matrix(std::path::Path::new("nowhere.mtx")), Err(Error::Io { .. })));
+fn missing_file_is_wrong_input() {
+    let error = read_matrix(std::path::Path::new("nowhere.mtx")).unwrap_err();
+    assert!(error.is_input() && error.to_string().starts_with("nowhere.mtx: cannot be read"), "{error}");
 }

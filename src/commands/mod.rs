@@ -8,8 +8,10 @@
 pub mod check;
 mod context;
 mod describe;
+pub mod doctor;
 mod format;
 pub mod output;
+pub mod solve;
 
 use clap::{Parser, Subcommand};
 pub use context::{Context, Options};
@@ -33,6 +35,10 @@ pub struct Cli {
 pub enum Command {
     /// Validate a scene and print its plan: effects, sizes, time step, cost
     Check(check::Args),
+    /// Solve a Matrix Market system with each solver: times, fill, residual
+    Solve(solve::Args),
+    /// Show library versions, cores, memory and GPU, and what to install
+    Doctor(doctor::Args),
 }
 
 /// Does what the command says and hands out its report.
@@ -42,5 +48,7 @@ pub enum Command {
 pub fn execute(command: Command, context: &Context) -> Result<(), Error> {
     match command {
         Command::Check(args) => context.deliver(&check::run(&args)?),
+        Command::Solve(args) => context.deliver(&solve::run(&args)?),
+        Command::Doctor(args) => context.deliver(&doctor::run(&args)?),
     }
 }

@@ -24,8 +24,8 @@ const SYMMETRY_TOLERANCE: f64 = 1e-12;
 /// diagonal too. Of a `general` file the lower triangle is taken.
 ///
 /// # Errors
-/// An [`InputError`] with file and line if the file is not as described, is
-/// not square or not symmetric; [`Error::Io`] if it cannot be read.
+/// An [`InputError`] with file and line if the file cannot be read or is not as
+/// described, the matrix is not square or not symmetric.
 pub fn read_matrix(path: &Path) -> Result<SymmetricCsc> {
     let file = File::read(path)?;
     if file.rows != file.columns {
@@ -105,7 +105,9 @@ struct File<'a> {
 
 impl<'a> File<'a> {
     fn read(path: &'a Path) -> Result<Self> {
-        let bytes = fs::read(path).map_err(|e| Error::io(path, e))?;
+        let bytes = fs::read(path).map_err(|e| {
+            InputError::new(format!("cannot be read: {e}"), "name a Matrix Market file").in_file(path)
+        })?;
         // Comments may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
         let mut file =

@@ -14,8 +14,8 @@ pub enum SolverError {
     /// The matrix is singular to working precision: no digit of this unknown
     /// would be right.
     #[error(
-        "the matrix is singular to working precision at unknown {column} \
-         (pivot {ratio:.1e} of the diagonal)"
+        "the matrix is singular to working precision (a pivot is {ratio:.1e} of its diagonal entry) \
+         at unknown {column}"
     )]
     NearlySingular {
         /// Column (unknown) with the vanishing pivot.
@@ -99,4 +99,17 @@ pub enum SolverError {
         /// The largest one that is accepted.
         limit: f64,
     },
+}
+
+impl SolverError {
+    /// The unknown where a factorization failed, if that is what the error is
+    /// about.
+    pub fn column(&self) -> Option<usize> {
+        match self {
+            SolverError::NotPositiveDefinite { column } | SolverError::NearlySingular { column, .. } => {
+                Some(*column)
+            }
+            _ => None,
+        }
+    }
 }

@@ -1,0 +1,109 @@
+//! `dempfv doctor`: what this program was built from and what this machine offers.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::thread::available_parallelism;
+
+use dempfv::Error;
+use dempfv::solver::{SolverKind, blas};
+use serde::Serialize;
+
+use super::format::bytes;
+
+/// What `doctor` takes: nothing of its own.
+#[derive(clap::Args)]
+pub struct Args {}
+
+/// What was found.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    versions: BTreeMap<&'static str, String>,
+    /// The file that provides the BLAS.
+    blas_library: Option<String>,
+    solvers: Vec<&'static str>,
+    cores: Option<usize>,
+    /// Memory of the machine, and what is free of it (bytes).
+    memory_bytes: Option<u64>,
+    memory_available_bytes: Option<u64>,
+    gpu: &'static str,
+    advice: Vec<String>,
+}
+
+/// Versions of all that a result depends on, by name, for every report.
+pub fn versions() -> BTreeMap<&'static str, String> {
+    BTreeMap::from([
+        ("dempfv", env!("CARGO_PKG_VERSION").to_owned()),
+        ("git", env!("DEMPFV_GIT_VERSION").to_owned()),
+        ("rustc", env!("DEMPFV_RUSTC_VERSION").to_owned()),
+        ("suitesparse", env!("DEMPFV_SUITESPARSE_VERSION").to_owned()),
+        ("cholmod", env!("DEMPFV_CHOLMOD_VERSION").to_owned()),
+        ("metis", env!("DEMPFV_METIS_VERSION").to_owned()),
+        ("cgal", env!("DEMPFV_CGAL_VERSION").to_owned()),
+        // The BLAS is the machine's choice, known only now.
+        ("blas", blas::description()),
+    ])
+}
+
+/// Looks around.
+///
+/// # Errors
+/// None at present.
+pub fn run(_: &Args) -> Result<Report, Error> {
+    let memory = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    Ok(Report {
+        versions: versions(),
+        blas_library: cholmod_sys::blas::library_path(),
+        solvers: SolverKind::ALL.iter().map(|kind| kind.name()).collect(),
+        cores: available_parallelism().ok().map(Into::into),
+        memory_bytes: meminfo(&memory, "MemTotal:"),
+        memory_available_bytes: meminfo(&memory, "MemAvailable:"),
+        gpu: "not built with GPU support",
+        advice: advice(),
+    })
+}
+
+/// A line of /proc/meminfo, in bytes.
+fn meminfo(text: &str, key: &str) -> Option<u64> {
+    let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
+    Some(rest.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// What would make the program faster or its results safer here.
+fn advice() -> Vec<String> {
+    let mut advice = Vec::new();
+    if blas::threads().is_none() {
+        advice.push(
+            "the BLAS is not OpenBLAS, so factorizations are slower or their threads unknown; \
+             install libopenblas0-pthread"
+                .to_owned(),
+        );
+    }
+    let loaded = cholmod_sys::cholmod_version().map(|number| number.to_string()).join(".");
+    let built = env!("DEMPFV_CHOLMOD_VERSION");
+    if loaded != built {
+        advice.push(format!(
+            "the program was built against CHOLMOD {built} but has loaded {loaded}; build it anew"
+        ));
+    }
+    advice
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, version) in &self.versions {
+            writeln!(f, "{name:<12} {version}")?;
+        }
+        let or_unknown = |text: Option<String>| text.unwrap_or_else(|| "unknown".to_owned());
+        writeln!(f, "{:<12} {}", "", or_unknown(self.blas_library.clone()))?;
+        writeln!(f, "{:<12} {}", "solvers", self.solvers.join(", "))?;
+        writeln!(f, "{:<12} {}", "cores", or_unknown(self.cores.map(|n| n.to_string())))?;
+        let size = |size: Option<u64>| or_unknown(size.map(|size| bytes(size as f64)));
+        let (all, free) = (size(self.memory_bytes), size(self.memory_available_bytes));
+        writeln!(f, "{:<12} {all}, {free} available", "memory")?;
+        writeln!(f, "{:<12} {}", "GPU", self.gpu)?;
+        match self.advice.as_slice() {
+            [] => writeln!(f, "\nnothing is missing"),
+            advice => advice.iter().try_for_each(|line| writeln!(f, "\n{line}")),
+        }
+    }
+}

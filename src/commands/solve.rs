@@ -1,0 +1,179 @@
+//! `dempfv solve`: one linear system through the solvers.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use dempfv::io::matrix_market;
+use dempfv::solver::{Analysis, SolverError, SolverKind, SymmetricCsc, UnknownSolver, blas};
+use dempfv::{Error, InputError};
+use serde::Serialize;
+
+use super::format::{bytes, count, duration};
+
+/// Solves are repeated for about this long (s), and the fastest is told.
+const MEASURE_FOR: f64 = 0.2;
+
+/// What `solve` takes.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Symmetric positive definite matrix (Matrix Market)
+    pub matrix: PathBuf,
+
+    /// Right-hand side (Matrix Market, one column); the row sums of the matrix if not
+    /// given, so that the solution is known to be all ones
+    pub right_hand_side: Option<PathBuf>,
+
+    /// Solver to use; each one in turn if not given
+    #[arg(long, value_name = "NAME", value_parser = parse_solver)]
+    pub solver: Option<SolverKind>,
+}
+
+fn parse_solver(name: &str) -> Result<SolverKind, UnknownSolver> {
+    name.parse()
+}
+
+/// How each solver did.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    matrix: PathBuf,
+    right_hand_side: Option<PathBuf>,
+    unknowns: usize,
+    /// Entries of the lower triangle with the diagonal.
+    entries: usize,
+    blas: String,
+    blas_threads: Option<usize>,
+    solvers: Vec<SolverReport>,
+}
+
+/// How one solver did. Times in seconds.
+#[derive(Debug, Serialize)]
+struct SolverReport {
+    solver: &'static str,
+    #[serde(flatten)]
+    analysis: Analysis,
+    /// Ordering and symbolic analysis.
+    analyze_s: f64,
+    factor_s: f64,
+    /// The fastest of several solves.
+    solve_s: f64,
+    /// Relative residual in the maximum norm.
+    residual: f64,
+    /// Largest error of an unknown where the solution is known.
+    forward_error: Option<f64>,
+    memory_bytes: usize,
+}
+
+/// Reads the system and solves it.
+///
+/// # Errors
+/// [`Error::Input`] for what is wrong in the files, [`Error::System`] when a solver fails.
+pub fn run(args: &Args) -> Result<Report, Error> {
+    let a = matrix_market::read_matrix(&args.matrix)?;
+    let b = match &args.right_hand_side {
+        Some(path) => matrix_market::read_vector(path, a.n)?,
+        None => row_sums(&a),
+    };
+    let known = args.right_hand_side.is_none().then_some(1.0);
+    let chosen = args.solver.as_slice();
+    let kinds = if chosen.is_empty() { SolverKind::ALL } else { chosen };
+    let solvers = kinds
+        .iter()
+        .map(|&kind| measure(kind, &a, &b, known).map_err(|e| failed(e, kind, &args.matrix)))
+        .collect::<Result<_, Error>>()?;
+    Ok(Report {
+        matrix: args.matrix.clone(),
+        right_hand_side: args.right_hand_side.clone(),
+        unknowns: a.n,
+        entries: a.nnz(),
+        blas: blas::description(),
+        blas_threads: blas::threads(),
+        solvers,
+    })
+}
+
+/// The right-hand side whose solution is all ones.
+fn row_sums(a: &SymmetricCsc) -> Vec<f64> {
+    let mut b = vec![0.0; a.n];
+    a.multiply(&vec![1.0; a.n], &mut b);
+    b
+}
+
+fn measure(
+    kind: SolverKind,
+    a: &SymmetricCsc,
+    b: &[f64],
+    known: Option<f64>,
+) -> Result<SolverReport, SolverError> {
+    let start = Instant::now();
+    let symbolic = kind.backend().analyze(a, None)?;
+    let analyze_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut factor = symbolic.factor(a)?;
+    let factor_s = start.elapsed().as_secs_f64();
+
+    let mut x = vec![0.0; a.n];
+    let residual = factor.solve_checked(a, b, &mut x)?;
+    let (mut solve_s, begin) = (f64::INFINITY, Instant::now());
+    while solve_s == f64::INFINITY || begin.elapsed().as_secs_f64() < MEASURE_FOR {
+        let start = Instant::now();
+        factor.solve(b, &mut x)?;
+        solve_s = solve_s.min(start.elapsed().as_secs_f64());
+    }
+    Ok(SolverReport {
+        solver: kind.name(),
+        analysis: factor.analysis(),
+        analyze_s,
+        factor_s,
+        solve_s,
+        residual,
+        forward_error: known.map(|known| x.iter().map(|x| (x - known).abs()).fold(0.0, f64::max)),
+        memory_bytes: factor.memory_bytes(),
+    })
+}
+
+/// A solver's error with the file; an entry that is out of range was the user's.
+fn failed(error: SolverError, kind: SolverKind, matrix: &Path) -> Error {
+    match error {
+        SolverError::RightHandSideNotFinite { row, value } => {
+            // The files hold finite numbers, so their row sums overflowed.
+            let what = format!("row {} of the matrix sums up to {value}", row + 1);
+            InputError::new(what, "give a right-hand side").in_file(matrix).into()
+        }
+        source => Error::System { path: matrix.to_owned(), solver: kind.name(), source },
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (unknowns, entries) = (count(self.unknowns as u64), count(self.entries as u64));
+        writeln!(f, "{}: {unknowns} unknowns, {entries} entries on and below the diagonal", self.matrix.display())?;
+        match &self.right_hand_side {
+            Some(path) => writeln!(f, "right-hand side: {}", path.display())?,
+            None => writeln!(f, "right-hand side: row sums of the matrix (the solution is all ones)")?,
+        }
+        let threads = self.blas_threads.map(|n| format!(", {n} thread{}", if n == 1 { "" } else { "s" }));
+        writeln!(f, "BLAS: {}{}\n", self.blas, threads.unwrap_or_default())?;
+        writeln!(
+            f,
+            "{:<9} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "solver", "ordering", "analyze", "factor", "solve", "nnz(L)", "flops", "residual", "error", "memory"
+        )?;
+        self.solvers.iter().try_for_each(|run| {
+            writeln!(
+                f,
+                "{:<9} {:<9} {:>9} {:>9} {:>9} {:>9.3e} {:>9.3e} {:>9.1e} {:>9} {:>9}",
+                run.solver,
+                run.analysis.ordering,
+                duration(run.analyze_s),
+                duration(run.factor_s),
+                duration(run.solve_s),
+                run.analysis.nnz_l as f64,
+                run.analysis.flops,
+                run.residual,
+                run.forward_error.map_or("-".to_owned(), |e| format!("{e:.1e}")),
+                bytes(run.memory_bytes as f64),
+            )
+        })
+    }
+}
