@@ -142,7 +142,8 @@ pub(super) struct PairLaw {
     pub ratio: f64,
     /// Friction coefficient.
     pub friction: f64,
-    /// Length of the step whose motion the shear forces follow (s).
+    /// Length of the step whose motion the shear forces follow (s), or 0 if
+    /// they have followed it already.
     pub dt: f64,
 }
 
@@ -175,12 +176,13 @@ pub(super) fn evaluate<const FRICTION: bool, const ROTATION: bool>(b: &mut Batch
                 motion.twist = 0.5 * law.dt * dot(spin, normal);
                 motion.slip = scaled(law.dt, tangential(slip, normal));
             }
-            let shear = shear_force(
-                get(&b.shear, l),
-                &motion,
-                law.ratio * stiffness,
-                law.friction * push,
-            );
+            let old = get(&b.shear, l);
+            // Not even round-off may change a force that has followed already.
+            let shear = if law.dt == 0.0 {
+                old
+            } else {
+                shear_force(old, &motion, law.ratio * stiffness, law.friction * push)
+            };
             force = add_scaled(force, 1.0, shear);
             put(&mut b.shear, l, shear);
             if ROTATION {

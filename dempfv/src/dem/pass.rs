@@ -49,7 +49,7 @@ pub(super) struct Input<'a> {
     pub spin: &'a [Vec3],
     pub walls: &'a [Wall; 6],
     pub law: Law,
-    /// Length of the step that the shear forces have yet to follow (s).
+    /// Length of the step that the shear forces have yet to follow (s), or 0.
     pub dt: f64,
     pub rotation: bool,
 }
@@ -333,11 +333,13 @@ impl PairSpan<'_> {
             let mut force = scaled(push, normal);
             if FRICTION && input.law.wall_friction > 0.0 {
                 let arm = centre[3] - 0.5 * overlap;
-                let motion = wall_sliding::<ROTATION>(i, wall, normal, arm, input);
-                let limit = input.law.wall_friction * push;
-                let old = self.wall_shear[slot].into();
-                let shear = shear_force(old, &motion, input.law.ratio * stiffness, limit);
-                self.wall_shear[slot] = shear.into();
+                let mut shear = self.wall_shear[slot].into();
+                if input.dt > 0.0 {
+                    let motion = wall_sliding::<ROTATION>(i, wall, normal, arm, input);
+                    let limit = input.law.wall_friction * push;
+                    shear = shear_force(shear, &motion, input.law.ratio * stiffness, limit);
+                    self.wall_shear[slot] = shear.into();
+                }
                 force = add_scaled(force, 1.0, shear);
                 if ROTATION {
                     self.torque[i - self.first] -= arm * Vec3::from(cross(normal, shear));

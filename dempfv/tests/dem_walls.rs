@@ -1,0 +1,125 @@
+//! Walls that move, and the servo.
+
+mod dem_support;
+
+use dem_support::{UNIT, cloud, frictionless_walls, material, settled};
+use dempfv::dem::{Dem, DemError, DemOptions, Particles, WallControl};
+use dempfv::{Vec3, WallId};
+
+const DAMPED: DemOptions = DemOptions { damping: 0.2, gravity: None, rotation: true, skin: 0.2 };
+
+fn run(dem: &mut Dem, dt: f64, steps: usize) {
+    for _ in 0..steps {
+        dem.step(dt).unwrap();
+    }
+    dem.compute_contacts().unwrap();
+}
+
+/// The servo's promise: its stress, on the wall and across the box.
+#[test]
+fn the_servo_reaches_its_stress() {
+    let mut dem = settled(500, 1, DAMPED);
+    let servo = WallControl::Servo { stress: 1.1e4, max_velocity: 0.5 };
+    dem.set_control(WallId::YMax, servo).unwrap();
+    let dt = dem.contact_time_step(0.5).unwrap();
+    run(&mut dem, dt, 10_000);
+    let top = dem.wall_stress(WallId::YMax);
+    let base = dem.wall_stress(WallId::YMin);
+    assert!((top / 1.1e4 - 1.0).abs() < 1e-3, "{top}");
+    assert!((base / top - 1.0).abs() < 2e-3, "{base} {top}");
+    // More stress on the same packing: the wall has come in.
+    let displacement = dem.walls()[WallId::YMax.index()].displacement;
+    assert!(displacement < 0.0 && displacement > -0.05, "{displacement}");
+    assert!((dem.box_().max.y - 1.0 - displacement).abs() < 1e-13);
+    // No control acted on the other walls.
+    assert_eq!(dem.walls()[WallId::XMax.index()].displacement, 0.0);
+}
+
+/// Half of a wanted stress may come from the fluid: the contacts then carry
+/// the other half.
+#[test]
+fn the_fluid_counts_in_the_servo() {
+    let mut dem = settled(500, 1, DAMPED);
+    let servo = WallControl::Servo { stress: 1e4, max_velocity: 0.5 };
+    dem.set_control(WallId::YMax, servo).unwrap();
+    let dt = dem.contact_time_step(0.5).unwrap();
+    let mut fluid = [Vec3::zeros(); 6];
+    for _ in 0..10_000 {
+        fluid[WallId::YMax.index()].y = 5e3 * dem.box_().wall_area(WallId::YMax);
+        dem.compute_contacts().unwrap();
+        dem.integrate(dt, None, Some(&fluid)).unwrap();
+    }
+    dem.compute_contacts().unwrap();
+    let stress = dem.wall_stress(WallId::YMax);
+    assert!((stress / 5e3 - 1.0).abs() < 2e-3, "{stress}");
+}
+
+/// One sphere between a fixed wall and a servo wall: the law by hand. Wanted
+/// shift (F − F_goal)/k, cut at
+/// 3 v Δt L_z / (L_x + L_y + L_z); shift = 0.75 wanted + 0.8 previous.
+#[test]
+fn the_servo_law_by_hand() {
+    let overlap = 1e-4;
+    let p = Particles::new(vec![Vec3::new(0.5, 0.5, 0.9 + overlap)], vec![0.1], 2600.0);
+    let mut dem = Dem::new(p, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
+    let stress = 5.0;
+    let max_velocity = 1e-3;
+    dem.set_control(WallId::ZMax, WallControl::Servo { stress, max_velocity }).unwrap();
+    let (dt, k) = (1e-4, 1e5);
+    let mut previous = 0.0;
+    for step in 0..2 {
+        let z = dem.particles().position[0].z;
+        let wall = dem.walls()[WallId::ZMax.index()].position;
+        // The excess is 5 N of 5 + 5 N, so that the cut acts: 5e-5 > 1e-7.
+        let share = 3.0 * wall / (2.0 + wall);
+        let wanted = ((k * (z + 0.1 - wall) - stress) / k).min(max_velocity * share * dt);
+        let shift = 0.75 * wanted + 0.8 * previous;
+        previous = shift;
+        dem.step(dt).unwrap();
+        let moved = dem.walls()[WallId::ZMax.index()].position - wall;
+        assert!((moved / shift - 1.0).abs() < 1e-6, "{step}: {moved} {shift}");
+        assert!((dem.walls()[WallId::ZMax.index()].velocity * dt / shift - 1.0).abs() < 1e-9);
+    }
+}
+
+/// A wall at constant velocity v meets a sphere at rest: in the wall's frame
+/// the sphere comes with −v, so it leaves with 2v.
+#[test]
+fn a_moving_wall_kicks() {
+    let mut dem =
+        Dem::new(cloud(1, 3), UNIT, material(), frictionless_walls(), DemOptions::default())
+            .unwrap();
+    dem.set_control(WallId::XMin, WallControl::Velocity(1.0)).unwrap();
+    let radius = dem.particles().radius[0];
+    let gap = dem.particles().position[0].x - radius;
+    let dt = 1e-4;
+    let mut steps = 0;
+    while dem.particles().velocity[0].x < 1.999 && steps < 100_000 {
+        dem.step(dt).unwrap();
+        steps += 1;
+    }
+    assert!((dem.particles().velocity[0].x - 2.0).abs() < 1e-3, "gap {gap}, {steps} steps");
+    assert!((dem.walls()[0].displacement - dt * steps as f64).abs() < 1e-12);
+}
+
+#[test]
+fn walls_that_meet_are_an_error() {
+    let p = Particles::new(Vec::new(), Vec::new(), 2600.0);
+    let mut dem = Dem::new(p, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
+    dem.set_control(WallId::XMax, WallControl::Velocity(-1.0)).unwrap();
+    let error = dem.step(1.5).unwrap_err();
+    assert_eq!(error, DemError::WallsMet { lower: WallId::XMin, upper: WallId::XMax });
+}
+
+/// Fixed after servo: the wall stays where it is.
+#[test]
+fn a_wall_can_be_stopped() {
+    let mut dem = settled(300, 1, DAMPED);
+    let servo = WallControl::Servo { stress: 2e4, max_velocity: 0.5 };
+    dem.set_control(WallId::YMax, servo).unwrap();
+    run(&mut dem, 1e-4, 100);
+    dem.set_control(WallId::YMax, WallControl::Fixed).unwrap();
+    let before = dem.box_();
+    run(&mut dem, 1e-4, 100);
+    assert_eq!(before, dem.box_());
+}
