@@ -8,8 +8,8 @@ use crate::error::InputError;
 use crate::pfv::Clamp;
 use crate::scene::keys;
 use crate::scene::plan::*;
-use crate::solver::SolverKind;
 use crate::scene::table::{Bound, Table, Value};
+use crate::solver::SolverKind;
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -209,10 +209,8 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         Some(v) => Some(v.count(1)?),
         None => remesh_strain.is_none().then_some(200),
     };
-    let clamp = table.get("clamp").map(|v| {
-        v.choice(&Clamp::ALL.map(|c| (c.name(), c)))
-    });
-    let solvers: Vec<_> = SolverKind::ALL.iter().map(|&s| (s.name(), s)).collect();
+    let clamp = table.get("clamp").map(|v| v.choice(&Clamp::ALL.map(|c| (c.name(), c))));
+    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
     let solver = table.get("solver").map(|v| v.choice(&solvers));
     Ok(Fluid {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
