@@ -105,3 +105,14 @@ pub(super) static ALL: [&Schema; 17] = [
     &RUN_WALLS,
     &CONTROL,
 ];
+
+/// Every key that a scene may hold, table by table: how messages name the table (`[dem]`,
+/// `a compact stage`), and its keys.
+///
+/// ```
+/// let (_, keys) = dempfv::scene::known_keys().find(|(table, _)| *table == "[dem]").unwrap();
+/// assert!(keys.contains(&"damping"));
+/// ```
+pub fn known_keys() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    ALL.iter().map(|schema| (schema.name, schema.keys))
+}

@@ -14,9 +14,10 @@ mod rules;
 mod table;
 
 pub use estimate::{Estimate, Specimen, StepBounds};
+pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};
 pub use plan::{
     Axis, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
-    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until,
-    WallControl, Walls,
+    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until, WallControl,
+    Walls,
 };

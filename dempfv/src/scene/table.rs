@@ -132,17 +132,18 @@ impl<'a> Table<'a> {
         Some(Value {
             source: self.source,
             at: value.span().start,
-            name: self.name_of(key, value.get_ref()),
+            name: self.name_of(key),
             node: value.get_ref(),
         })
     }
 
     /// Name of a key in messages: `` `dt` in [dem] ``, and [dem] itself.
-    fn name_of(&self, key: &str, node: &DeValue) -> String {
-        match (self.is_root(), node.is_table()) {
-            (true, true) => format!("[{key}]"),
-            (true, false) => format!("`{key}`"),
-            _ => format!("`{key}` in {}", self.schema.name),
+    fn name_of(&self, key: &str) -> String {
+        match key {
+            _ if !self.is_root() => format!("`{key}` in {}", self.schema.name),
+            "title" | "seed" => format!("`{key}`"),
+            "stage" => "[[stage]]".to_owned(),
+            _ => format!("[{key}]"),
         }
     }
 
@@ -153,11 +154,11 @@ impl<'a> Table<'a> {
     /// The value of a key that must be there; `what` says what it is.
     pub fn need(&self, key: &str, what: &str) -> Result<Value<'a>> {
         self.get(key).ok_or_else(|| {
-            self.source.error(
-                self.at,
-                format!("{} has no `{key}`", self.schema.name),
-                format!("add `{key} = ...`: {what}"),
-            )
+            let (missing, remedy) = match self.is_root() {
+                true => (self.name_of(key), format!("add {what}")),
+                false => (format!("`{key}`"), format!("add `{key} = ...`: {what}")),
+            };
+            self.source.error(self.at, format!("{} has no {missing}", self.schema.name), remedy)
         })
     }
 

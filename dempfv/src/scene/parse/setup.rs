@@ -49,13 +49,14 @@ fn read_box(value: &Value) -> Result<Aabb> {
 }
 
 fn read_particles(root: &Table, bounds: Option<&Aabb>) -> Result<Particles> {
-    let value = root.need("particles", "a table with `packing` or `cloud`")?;
+    let value = root.need("particles", "[particles] with `packing` or `cloud`")?;
     let table = value.table(&keys::PARTICLES)?;
     let source = match (table.get("packing"), table.get("cloud")) {
         (Some(file), None) => ParticleSource::Packing(read_packing_path(&file)?),
         (None, Some(cloud)) => ParticleSource::Cloud(read_cloud(&cloud, bounds)?),
-        (Some(_), Some(cloud)) => {
-            return Err(cloud.error("stands beside `packing`", "keep one of the two"));
+        (Some(file), Some(cloud)) => {
+            let later = if file.at > cloud.at { file } else { cloud };
+            return Err(later.error("is a second source of spheres", "keep `packing` or `cloud`"));
         }
         (None, None) => {
             return Err(root.source.error(
