@@ -208,7 +208,13 @@ const FAULTS: &[Fault] = &[
         "steps = 10\n",
         "until = { strain = 0.1, axis = \"z\" }\n",
         40,
-        &["no wall moves along it", "a velocity or a stress"],
+        &["the walls there do not move", "a velocity or a stress"],
+    ),
+    (
+        "steps = 10\nwalls = { y_max = { stress = 1.0e3 }, x_min = \"fixed\" }",
+        "until = { strain = 0.1, axis = \"x\" }\nwalls = { x_min = { velocity = -0.1 } }",
+        40,
+        &["the walls move the other way", "positive in compression"],
     ),
     ("viscosity = 1.0e-3\n", "", 17, &["[fluid] has no `viscosity`", "a number above 0 in Pa·s"]),
     (

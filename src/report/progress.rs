@@ -35,7 +35,7 @@ impl Progress {
             false => ProgressBar::new_spinner(),
         };
         let template = match bounded {
-            true => "{prefix:<14} [{bar:30}] {percent:>3} %  {msg}  {eta} left",
+            true => "{prefix:<14} [{bar:20}] {percent:>3} %  {msg}  {eta} left",
             false => "{prefix:<14} {spinner} {elapsed}  {msg}",
         };
         // Fails on a malformed template only, and these are fixed; the default style

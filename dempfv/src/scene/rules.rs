@@ -40,27 +40,39 @@ fn check_stage(plan: &Plan, i: usize) -> std::result::Result<(), Fault> {
     }
     match kind {
         StageKind::Consolidate(stage) => check_consolidate(plan, i, stage),
-        StageKind::Run(run) => check_run(run).map_err(|problem| {
-            (
-                format!("stage \"{}\" {problem}", stage.name),
-                "give a wall on that axis a velocity or a stress".to_owned(),
-            )
-        }),
+        StageKind::Run(run) => check_run(run).or_else(|(problem, remedy)| fault(&problem, remedy)),
         _ => Ok(()),
     }
 }
 
-fn check_run(run: &Run) -> std::result::Result<(), String> {
-    let Until::Strain { axis, .. } = run.until else { return Ok(()) };
-    let moves = |w: WallId| match run.walls[w.index()] {
-        WallControl::Fixed => false,
-        WallControl::Velocity { velocity } => velocity != 0.0,
-        WallControl::Stress { .. } => true,
-    };
-    if WallId::ALL.into_iter().any(|w| Axis::of(w) == axis && moves(w)) {
-        return Ok(());
+/// A strain must be within reach of the walls.
+fn check_run(run: &Run) -> std::result::Result<(), (String, &'static str)> {
+    let Until::Strain { axis, strain, .. } = run.until else { return Ok(()) };
+    let mut shortening = 0.0;
+    for wall in WallId::ALL.into_iter().filter(|w| Axis::of(*w) == axis) {
+        match run.walls[wall.index()] {
+            WallControl::Fixed => {}
+            WallControl::Velocity { velocity } => shortening += velocity * wall.inward(),
+            // The servo goes where the stress leads it.
+            WallControl::Stress { .. } => return Ok(()),
+        }
     }
-    Err(format!("waits for a strain along {}, but no wall moves along it", axis.name()))
+    let axis = axis.name();
+    if shortening == 0.0 {
+        return Err((
+            format!("waits for a strain along {axis}, but the walls there do not move"),
+            "give one of them a velocity or a stress",
+        ));
+    }
+    if shortening * strain < 0.0 {
+        return Err((
+            format!(
+                "waits for a strain of {strain} along {axis}, but the walls move the other way"
+            ),
+            "strain is positive in compression, velocity towards larger coordinates",
+        ));
+    }
+    Ok(())
 }
 
 /// Consolidation needs a measured c_v, and drains along its own axis only: Terzaghi's
