@@ -31,7 +31,10 @@ fn main() {
 fn find_headers() -> PathBuf {
     let asked = std::env::var_os("CGAL_INCLUDE_DIR").map(PathBuf::from);
     let usual = ["/usr/include", "/usr/local/include", "/opt/homebrew/include"].map(PathBuf::from);
-    let found = asked.into_iter().chain(usual).find(|dir| dir.join("CGAL/Regular_triangulation_3.h").exists());
+    let found = asked
+        .into_iter()
+        .chain(usual)
+        .find(|dir| dir.join("CGAL/Regular_triangulation_3.h").exists());
     match found {
         Some(dir) => dir,
         None => {

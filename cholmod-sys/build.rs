@@ -44,20 +44,28 @@ fn build() -> Result<(), String> {
         println!("cargo::rustc-cfg=openmp_threads");
     }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    std::fs::write(out.join("bindings.rs"), &bindings).map_err(|e| format!("{}: {e}", out.display()))?;
+    std::fs::write(out.join("bindings.rs"), &bindings)
+        .map_err(|e| format!("{}: {e}", out.display()))?;
     publish(&bindings)
 }
 
 /// Links a library and returns the directories of its headers: what pkg-config
 /// says where it knows the library, else the usual places.
-fn find(pc: &str, version: &str, lib: &str, header: &str, package: &str) -> Result<Vec<PathBuf>, String> {
+fn find(
+    pc: &str,
+    version: &str,
+    lib: &str,
+    header: &str,
+    package: &str,
+) -> Result<Vec<PathBuf>, String> {
     let known = pkg_config::Config::new().atleast_version(version).cargo_metadata(false).probe(pc);
     match known {
         Ok(found) => {
             for dir in &found.link_paths {
                 println!("cargo::rustc-link-search=native={}", dir.display());
             }
-            let dirs = if found.include_paths.is_empty() { usual_dirs() } else { found.include_paths };
+            let dirs =
+                if found.include_paths.is_empty() { usual_dirs() } else { found.include_paths };
             require_header(&dirs, header, package)?;
             println!("cargo::rustc-link-lib={lib}");
             Ok(dirs)
@@ -86,7 +94,8 @@ fn usual_dirs() -> Vec<PathBuf> {
 
 fn require_header(dirs: &[PathBuf], header: &str, package: &str) -> Result<(), String> {
     let found = dirs.iter().map(|dir| dir.join(header)).find(|path| path.is_file());
-    let path = found.ok_or_else(|| format!("the header {header} was not found; install {package}"))?;
+    let path =
+        found.ok_or_else(|| format!("the header {header} was not found; install {package}"))?;
     println!("cargo::rerun-if-changed={}", path.display());
     Ok(())
 }
@@ -138,7 +147,8 @@ fn publish(bindings: &str) -> Result<(), String> {
     ] {
         let numbers: Option<Vec<String>> =
             parts.iter().map(|part| constant(bindings, &format!("{prefix}{part}"))).collect();
-        let numbers = numbers.ok_or_else(|| format!("the headers do not tell the version of {key}"))?;
+        let numbers =
+            numbers.ok_or_else(|| format!("the headers do not tell the version of {key}"))?;
         println!("cargo::metadata={key}_version={}", numbers.join("."));
     }
     Ok(())
@@ -146,7 +156,9 @@ fn publish(bindings: &str) -> Result<(), String> {
 
 /// Value of an integer constant in the generated bindings.
 fn constant(bindings: &str, name: &str) -> Option<String> {
-    let rest = &bindings[bindings.find(&format!("pub const {name} :")).or_else(|| bindings.find(&format!("pub const {name}:")))?..];
+    let rest = &bindings[bindings
+        .find(&format!("pub const {name} :"))
+        .or_else(|| bindings.find(&format!("pub const {name}:")))?..];
     let value = &rest[rest.find('=')? + 1..rest.find(';')?];
     Some(value.trim().to_owned())
 }

@@ -18,7 +18,7 @@ fn main() -> ExitCode {
     let result =
         Context::new(&cli.options).and_then(|context| commands::execute(cli.command, &context));
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(status) => status,
         Err(error) => {
             // A closed stderr must not turn an error into a panic.
             let _ = writeln!(io::stderr(), "error: {error}");

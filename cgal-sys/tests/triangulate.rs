@@ -6,7 +6,10 @@ fn volume(points: &[[f64; 4]], cell: [u32; 4]) -> f64 {
     let p = cell.map(|v| points[v as usize]);
     let d = |i: usize| [p[i][0] - p[0][0], p[i][1] - p[0][1], p[i][2] - p[0][2]];
     let [a, b, c] = [d(1), d(2), d(3)];
-    (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6.0
+    (a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0]))
+        / 6.0
 }
 
 fn grid(n: usize) -> Vec<[f64; 4]> {
@@ -28,7 +31,8 @@ fn a_lattice_is_filled_and_adjacency_is_mutual() {
             if j == NONE {
                 continue;
             }
-            let back = t.neighbors[j as usize].iter().position(|&b| b as usize == i).expect("mutual");
+            let back =
+                t.neighbors[j as usize].iter().position(|&b| b as usize == i).expect("mutual");
             let facet = |cell: [u32; 4], skip: usize| {
                 let mut f: Vec<u32> = (0..4).filter(|&m| m != skip).map(|m| cell[m]).collect();
                 f.sort_unstable();

@@ -32,14 +32,8 @@ pub enum WallId {
 
 impl WallId {
     /// All walls, in the order of their indices.
-    pub const ALL: [WallId; 6] = [
-        WallId::XMin,
-        WallId::XMax,
-        WallId::YMin,
-        WallId::YMax,
-        WallId::ZMin,
-        WallId::ZMax,
-    ];
+    pub const ALL: [WallId; 6] =
+        [WallId::XMin, WallId::XMax, WallId::YMin, WallId::YMax, WallId::ZMin, WallId::ZMax];
 
     /// Index of the wall, 0 to 5.
     pub const fn index(self) -> usize {
@@ -94,10 +88,7 @@ impl FromStr for WallId {
     type Err = UnknownWall;
 
     fn from_str(s: &str) -> Result<Self, Self::Err> {
-        WallId::ALL
-            .into_iter()
-            .find(|w| w.name() == s)
-            .ok_or_else(|| UnknownWall(s.to_owned()))
+        WallId::ALL.into_iter().find(|w| w.name() == s).ok_or_else(|| UnknownWall(s.to_owned()))
     }
 }
 

@@ -21,7 +21,9 @@ fn network(s: &Spheres) -> Network {
 fn loose() -> Spheres {
     let mut random = Random(3);
     let bounds = Aabb { min: Vec3::new(-1.0, 2.0, 0.5), max: Vec3::new(1.0, 3.0, 2.0) };
-    let x = (0..150).map(|_| bounds.center() + 0.42 * random.vector().component_mul(&bounds.size())).collect();
+    let x = (0..150)
+        .map(|_| bounds.center() + 0.42 * random.vector().component_mul(&bounds.size()))
+        .collect();
     let r = (0..150).map(|_| 0.02 + 0.04 * random.next()).collect();
     Spheres { x, r, bounds }
 }
@@ -39,7 +41,9 @@ fn wall_vertices(n: &Network, pore: usize) -> usize {
 /// volumes add up to it exactly, so to round-off (1e-12).
 #[test]
 fn pore_volumes_add_up_to_the_box() {
-    for s in [settled(), loose(), cubic(4, 0.0), cubic(4, 1e-6), face_centred(3, 0.0), few(1), few(2)] {
+    for s in
+        [settled(), loose(), cubic(4, 0.0), cubic(4, 1e-6), face_centred(3, 0.0), few(1), few(2)]
+    {
         let n = network(&s);
         let sum: f64 = n.volume.iter().sum();
         assert!((sum / s.bounds.volume() - 1.0).abs() < 1e-12, "{} spheres: {sum}", s.x.len());
@@ -68,12 +72,17 @@ fn centres_have_equal_power() {
         let mut powers = vec![];
         for &v in cell {
             match n.tessellation.wall(v) {
-                Some(w) => assert!((c[w.axis()] - s.bounds.wall(w)).abs() < 1e-12 * (1.0 + c.norm())),
+                Some(w) => {
+                    assert!((c[w.axis()] - s.bounds.wall(w)).abs() < 1e-12 * (1.0 + c.norm()))
+                }
                 None => powers.push((c - s.x[v as usize]).norm_squared() - s.r[v as usize].powi(2)),
             }
         }
         let scale = 1.0 + c.norm_squared();
-        assert!(powers.iter().all(|p| (p - powers[0]).abs() < 1e-9 * scale), "pore {i}: {powers:?}");
+        assert!(
+            powers.iter().all(|p| (p - powers[0]).abs() < 1e-9 * scale),
+            "pore {i}: {powers:?}"
+        );
     }
 }
 
@@ -108,7 +117,11 @@ fn volume_rates_are_derivatives_of_the_volumes() {
             let numeric = (after[i] - before[i]) / (2.0 * h);
             // Rates of single pores can cancel: measure against the pore's size.
             let scale = rate[i].abs().max(n.volume[i]);
-            assert!((numeric - rate[i]).abs() < 1e-6 * scale, "pore {i}: {numeric:e} against {:e}", rate[i]);
+            assert!(
+                (numeric - rate[i]).abs() < 1e-6 * scale,
+                "pore {i}: {numeric:e} against {:e}",
+                rate[i]
+            );
             seen[wall_vertices(&n, i)] += 1;
         }
         assert!(seen.iter().all(|&k| k > 0), "{seen:?}");
@@ -121,7 +134,8 @@ fn volume_rates_are_derivatives_of_the_volumes() {
 fn the_conductance_matrix_is_symmetric_and_balanced() {
     let n = network(&settled());
     let o = Operators::new(&n, DRAINED_TOP.boundary).unwrap();
-    let find = |i: usize, j: usize| n.tessellation.neighbors[i].iter().position(|&k| k as usize == j);
+    let find =
+        |i: usize, j: usize| n.tessellation.neighbors[i].iter().position(|&k| k as usize == j);
     let mut entries = 0;
     for (u, &i) in o.pore_of.iter().enumerate() {
         let range = o.matrix.col_ptr[u] as usize..o.matrix.col_ptr[u + 1] as usize;
@@ -190,7 +204,10 @@ fn an_isolated_pore_is_named() {
 /// No spheres and coordinates that are no numbers are errors and not panics.
 #[test]
 fn impossible_packings_are_errors() {
-    assert_eq!(Network::new(&[], &[], unit_box(1.0), &DRAINED_TOP).unwrap_err(), PfvError::NoSpheres);
+    assert_eq!(
+        Network::new(&[], &[], unit_box(1.0), &DRAINED_TOP).unwrap_err(),
+        PfvError::NoSpheres
+    );
     let nan = Network::new(&[Vec3::repeat(f64::NAN)], &[0.1], unit_box(1.0), &DRAINED_TOP);
     assert!(matches!(nan, Err(PfvError::Triangulation { .. })), "{nan:?}");
 }

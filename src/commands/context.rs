@@ -51,6 +51,11 @@ impl Context {
         Ok(Context { threads: rayon::current_num_threads(), json: options.json.clone() })
     }
 
+    /// True when the report goes to a file or to stdout as JSON.
+    pub fn has_json(&self) -> bool {
+        self.json.is_some()
+    }
+
     /// True when stdout belongs to the JSON report, and nothing else may be printed there.
     pub fn is_json_on_stdout(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))

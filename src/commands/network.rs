@@ -57,7 +57,10 @@ impl FluidArgs {
     pub fn fluid(&self, boundary: Boundary) -> Result<(Fluid, SolverKind), InputError> {
         if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
             let what = format!("--viscosity {} is not positive", self.viscosity);
-            return Err(InputError::new(what, "give the dynamic viscosity in Pa·s; water has 1e-3"));
+            return Err(InputError::new(
+                what,
+                "give the dynamic viscosity in Pa·s; water has 1e-3",
+            ));
         }
         let clamp: Clamp = self.clamp.parse()?;
         let solver = self.solver.parse().map_err(|e| InputError::new(format!("{e}"), ""))?;
@@ -127,10 +130,17 @@ fn boundary(pressures: &[String]) -> Result<Boundary, InputError> {
         boundary.pressure[WallId::YMax.index()] = Some(0.0);
     }
     for text in pressures {
-        let wrong = |why: String| InputError::new(format!("--pressure {text}: {why}"), "write for example --pressure y_min=1");
+        let wrong = |why: String| {
+            InputError::new(
+                format!("--pressure {text}: {why}"),
+                "write for example --pressure y_min=1",
+            )
+        };
         let (wall, value) = text.split_once('=').ok_or_else(|| wrong("no `=`".into()))?;
-        let wall: WallId = wall.trim().parse().map_err(|e: dempfv::UnknownWall| wrong(e.to_string()))?;
-        let value: f64 = value.trim().parse().map_err(|_| wrong(format!("`{value}` is no number")))?;
+        let wall: WallId =
+            wall.trim().parse().map_err(|e: dempfv::UnknownWall| wrong(e.to_string()))?;
+        let value: f64 =
+            value.trim().parse().map_err(|_| wrong(format!("`{value}` is no number")))?;
         if !value.is_finite() {
             return Err(wrong(format!("`{value}` is not finite")));
         }
@@ -151,7 +161,11 @@ fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
     Report {
         spheres: radius.len(),
         bounds: network.bounds,
-        cells: t.cells.iter().map(|c| c.map(|v| t.wall(v).map_or(Vertex::Sphere(v), Vertex::Wall))).collect(),
+        cells: t
+            .cells
+            .iter()
+            .map(|c| c.map(|v| t.wall(v).map_or(Vertex::Sphere(v), Vertex::Wall)))
+            .collect(),
         neighbors: t.neighbors.iter().map(|n| n.map(|j| (j != NONE).then_some(j))).collect(),
         center: network.center.clone(),
         volume: network.volume.clone(),
@@ -159,7 +173,10 @@ fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
         imposed: (0..pores).map(|i| flow.operators.imposed(i).is_some()).collect(),
         conductance: (0..pores).map(|i| network.conductances_of(i)).collect(),
         force: flow.force().to_vec(),
-        wall_force: WallId::ALL.into_iter().map(|w| (by_name(w), flow.wall_force()[w.index()])).collect(),
+        wall_force: WallId::ALL
+            .into_iter()
+            .map(|w| (by_name(w), flow.wall_force()[w.index()]))
+            .collect(),
         flux: WallId::ALL.into_iter().map(|w| (by_name(w), flow.flux()[w.index()])).collect(),
         permeability_m2: upstream.and_then(|w| flow.permeability(w, fluid)).map(|k| k.value),
         porosity: 1.0 - solid / network.bounds.volume(),
@@ -175,9 +192,18 @@ impl fmt::Display for Report {
         writeln!(f, "  spheres        {}", count(self.spheres as u64))?;
         if !self.hidden.is_empty() {
             let names: Vec<String> = self.hidden.iter().map(u32::to_string).collect();
-            writeln!(f, "  hidden         {} (inside the power cells of others; no pore has them)", names.join(", "))?;
+            writeln!(
+                f,
+                "  hidden         {} (inside the power cells of others; no pore has them)",
+                names.join(", ")
+            )?;
         }
-        writeln!(f, "  pores          {} ({} unknown)", count(self.cells.len() as u64), count(self.unknowns as u64))?;
+        writeln!(
+            f,
+            "  pores          {} ({} unknown)",
+            count(self.cells.len() as u64),
+            count(self.unknowns as u64)
+        )?;
         writeln!(f, "  porosity       {}", three_digits(self.porosity))?;
         for (wall, flux) in self.flux.iter().filter(|(_, q)| **q != 0.0) {
             writeln!(f, "  flux at {wall}  {} into the box", si(*flux, "m³/s"))?;

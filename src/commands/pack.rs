@@ -59,12 +59,12 @@ pub struct Report {
     compaction: Compaction,
 }
 
-/// Grows a packing and writes it.
+/// Grows a packing and writes it. `None`: Ctrl-C ended it, nothing was written.
 ///
 /// # Errors
 /// What is wrong in the scene or the options, or why the packing does not
 /// settle.
-pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
+pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     let plan = compaction_plan(args)?;
     let name = args.scene.clone().unwrap_or_else(|| PathBuf::from("packing"));
     let folder = args.output.folder(&name, FILE)?;
@@ -74,28 +74,32 @@ pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     progress.begin("compact", 0, false);
     while simulation.advance()? {
         if interrupted.load(Ordering::Relaxed) {
-            return Err(InputError::new("interrupted", "nothing was written").into());
+            return Ok(None);
         }
         let coupled = simulation.coupled();
         progress.update(simulation.step(), None, || si(coupled.dem.mean_wall_stress(), "Pa"));
     }
     progress.end(simulation.step(), "");
-    let Some(Outcome::Compact(compaction)) = simulation.outcomes().last().map(|o| o.outcome.clone()) else {
+    let Some(Outcome::Compact(compaction)) =
+        simulation.outcomes().last().map(|o| o.outcome.clone())
+    else {
         return Err(InputError::new("the scene has no compact stage", "add one").into());
     };
     make_folder(&folder)?;
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
-    Ok(Report { file, particles: simulation.coupled().dem.particles().len(), steps: simulation.step(), compaction })
+    let particles = simulation.coupled().dem.particles().len();
+    Ok(Some(Report { file, particles, steps: simulation.step(), compaction }))
 }
 
 /// The scene up to its first compact stage.
-fn compaction_plan(args: &Args) -> Result<Plan, InputError> {
-    let Some(scene) = &args.scene else { return Plan::from_toml(&scene_text(args), None) };
+fn compaction_plan(args: &Args) -> Result<Plan, Error> {
+    let Some(scene) = &args.scene else { return Ok(Plan::from_toml(&scene_text(args), None)?) };
     let mut plan = Plan::load(scene)?;
     let compact = plan.stages.iter().position(|s| matches!(s.kind, StageKind::Compact(_)));
     let compact = compact.ok_or_else(|| {
-        InputError::new("no stage of the kind compact", "add one: it is what makes a packing").in_file(scene)
+        InputError::new("no stage of the kind compact", "add one: it is what makes a packing")
+            .in_file(scene)
     })?;
     plan.stages.truncate(compact + 1);
     Ok(plan)
@@ -113,7 +117,11 @@ fn scene_text(args: &Args) -> String {
     )
 }
 
-fn write(file: &std::path::Path, simulation: &Simulation, compaction: &Compaction) -> Result<(), Error> {
+fn write(
+    file: &std::path::Path,
+    simulation: &Simulation,
+    compaction: &Compaction,
+) -> Result<(), Error> {
     let dem = &simulation.coupled().dem;
     let particles = dem.particles();
     let mut order: Vec<usize> = (0..particles.len()).collect();
@@ -137,7 +145,11 @@ impl fmt::Display for Report {
         writeln!(f, "  stress               {}", si(self.compaction.stress_pa, "Pa"))?;
         writeln!(f, "  unbalanced force     {:.1e}", self.compaction.unbalanced_force)?;
         writeln!(f, "  porosity             {}", three_digits(self.compaction.porosity))?;
-        writeln!(f, "  coordination number  {}", three_digits(self.compaction.coordination_number))?;
+        writeln!(
+            f,
+            "  coordination number  {}",
+            three_digits(self.compaction.coordination_number)
+        )?;
         writeln!(f, "  written              {}", self.file.display())
     }
 }

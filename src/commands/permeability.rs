@@ -55,12 +55,25 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
         flow.solve_static()?;
         let measured = flow.permeability(wall, &fluid);
-        let k = measured.ok_or_else(|| InputError::new("no flow to measure", "give a packing with pores"))?;
-        axes.push(Axis { axis, permeability_m2: k.value, flux_m3_s: k.flux, imbalance: k.imbalance });
+        let k = measured
+            .ok_or_else(|| InputError::new("no flow to measure", "give a packing with pores"))?;
+        axes.push(Axis {
+            axis,
+            permeability_m2: k.value,
+            flux_m3_s: k.flux,
+            imbalance: k.imbalance,
+        });
     }
-    let solid: f64 = packing.radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
-    let (porosity, sauter_diameter_m) = (1.0 - solid / bounds.volume(), sauter_diameter(&packing.radius));
-    Ok(Report { axes, porosity, sauter_diameter_m, kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter_m) })
+    let solid: f64 =
+        packing.radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+    let (porosity, sauter_diameter_m) =
+        (1.0 - solid / bounds.volume(), sauter_diameter(&packing.radius));
+    Ok(Report {
+        axes,
+        porosity,
+        sauter_diameter_m,
+        kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter_m),
+    })
 }
 
 impl fmt::Display for Report {

@@ -32,7 +32,13 @@ impl Clock {
     }
 
     /// The time step of the next step.
-    pub fn next_dt(&mut self, wanted: TimeStep, safety: f64, dem: &Dem, viscosity: Option<f64>) -> f64 {
+    pub fn next_dt(
+        &mut self,
+        wanted: TimeStep,
+        safety: f64,
+        dem: &Dem,
+        viscosity: Option<f64>,
+    ) -> f64 {
         if let TimeStep::Fixed(dt) = wanted {
             self.dt = dt;
         } else if self.left == 0 {
@@ -67,7 +73,8 @@ impl TimeStepBounds {
     pub fn of(dem: &Dem, viscosity: Option<f64>) -> TimeStepBounds {
         TimeStepBounds {
             contact: dem.contact_time_step(1.0).unwrap_or_else(|| free_time_step(dem)),
-            viscous: viscosity.map(|mu| viscous_time_step(&dem.particles().radius, dem.material().density, mu)),
+            viscous: viscosity
+                .map(|mu| viscous_time_step(&dem.particles().radius, dem.material().density, mu)),
         }
     }
 

@@ -115,7 +115,10 @@ impl Coupled {
         let Some(saturation) = self.saturation else { return Ok(()) };
         if self.wet.as_ref().is_none_or(|wet| wet.is_due(&saturation.remesh)) {
             let position = self.dem.particles().position.clone();
-            self.mesh(saturation, FluidState { position, bounds: self.dem.box_(), age: 0, volume_change: vec![] })?;
+            self.mesh(
+                saturation,
+                FluidState { position, bounds: self.dem.box_(), age: 0, volume_change: vec![] },
+            )?;
             self.remeshes += 1;
         }
         Ok(())
@@ -124,7 +127,8 @@ impl Coupled {
     /// Builds the network for the positions that a fluid state names.
     fn mesh(&mut self, saturation: Saturation, mut state: FluidState) -> Result<()> {
         let radius = &self.dem.particles().radius;
-        let flow = Flow::new(&state.position, radius, state.bounds, &saturation.fluid, saturation.solver)?;
+        let flow =
+            Flow::new(&state.position, radius, state.bounds, &saturation.fluid, saturation.solver)?;
         let times = flow.build_times();
         self.phases.add(Phase::Network, times.network);
         self.phases.add(Phase::Analyze, times.analyze);
@@ -140,7 +144,9 @@ impl Coupled {
         let Coupled { dem, wet: Some(wet), phases, .. } = self else { return Ok(()) };
         let walls = dem.walls().each_ref().map(|w| w.velocity);
         let flow = &mut wet.flow;
-        phases.time(Phase::VolumeRates, || flow.update_volume_rate(&dem.particles().velocity, &walls));
+        phases.time(Phase::VolumeRates, || {
+            flow.update_volume_rate(&dem.particles().velocity, &walls)
+        });
         phases.time(Phase::Solve, || flow.update_pressure())?;
         phases.time(Phase::FluidForces, || flow.update_force());
         for (change, rate) in wet.state.volume_change.iter_mut().zip(flow.volume_rate()) {
@@ -209,6 +215,9 @@ impl Wet {
         }
         let Some(limit) = rule.strain else { return false };
         let volume = &self.flow.network.volume;
-        volume.iter().zip(&self.state.volume_change).any(|(v, change)| change.abs() > limit * v.abs())
+        volume
+            .iter()
+            .zip(&self.state.volume_change)
+            .any(|(v, change)| change.abs() > limit * v.abs())
     }
 }

@@ -20,7 +20,9 @@ pub enum CouplingError {
         unbalanced: f64,
     },
     /// The strain that ends a run was not reached.
-    #[error("strain {strain:.4e} of {goal:.4e} after {steps} steps; allow more max_steps or move the walls faster")]
+    #[error(
+        "strain {strain:.4e} of {goal:.4e} after {steps} steps; allow more max_steps or move the walls faster"
+    )]
     StrainNotReached {
         /// Steps done in the stage.
         steps: u64,
@@ -30,7 +32,9 @@ pub enum CouplingError {
         goal: f64,
     },
     /// The time factor that ends a consolidation was not reached.
-    #[error("T_v = {time_factor:.4} of {goal:.4} after {steps} steps; allow more max_steps or a larger time step")]
+    #[error(
+        "T_v = {time_factor:.4} of {goal:.4} after {steps} steps; allow more max_steps or a larger time step"
+    )]
     TimeFactorNotReached {
         /// Steps done in the stage.
         steps: u64,

@@ -36,8 +36,8 @@ pub use coupled::{Coupled, FluidState, RemeshRule, Saturation};
 pub use error::CouplingError;
 pub use observe::Observation;
 pub use outcome::{
-    Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, Outcome, PermeabilityTest, Profile,
-    StageOutcome,
+    Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, MotionSample, Outcome,
+    PermeabilityTest, Profile, StageOutcome,
 };
 pub use phases::{Phase, Phases};
 pub use setup::initial_packing;

@@ -41,13 +41,11 @@ impl Coupled {
         let bounds = dem.box_();
         let flow = self.flow();
         let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
-        let stress = |force: crate::Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
+        let stress =
+            |force: crate::Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
         let contact_force = dem.wall_force();
-        let (largest_pressure, mean_pressure) = flow.map_or((0.0, 0.0), |f| {
-            let volume: f64 = f.network.volume.iter().sum();
-            let weighted: f64 = f.pressure().iter().zip(&f.network.volume).map(|(p, v)| p * v).sum();
-            (f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max), weighted / volume)
-        });
+        let largest_pressure =
+            flow.map_or(0.0, |f| f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max));
         Observation {
             size: bounds.size().into(),
             contact_stress: WallId::ALL.map(|w| stress(contact_force[w.index()], w)),
@@ -60,7 +58,7 @@ impl Coupled {
             kinetic_energy: dem.kinetic_energy(),
             elastic_energy: dem.elastic_energy(),
             largest_pressure,
-            mean_pressure,
+            mean_pressure: self.mean_pressure(),
             flux: flow.map(|f| f.flux()).unwrap_or_default(),
         }
     }
@@ -69,6 +67,16 @@ impl Coupled {
     /// mean contact force (1).
     pub fn unbalanced_force(&self) -> f64 {
         self.dem.unbalanced_force(self.flow().map(|f| f.force()))
+    }
+
+    /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
+    pub fn mean_pressure(&self) -> f64 {
+        self.flow().map_or(0.0, |f| {
+            let volume: f64 = f.network.volume.iter().sum();
+            let weighted: f64 =
+                f.pressure().iter().zip(&f.network.volume).map(|(p, v)| p * v).sum();
+            weighted / volume
+        })
     }
 
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).

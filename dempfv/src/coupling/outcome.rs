@@ -142,6 +142,21 @@ pub struct Motion {
     pub wall_stress_pa: [f64; 6],
     /// Unbalanced force at the end (1).
     pub unbalanced_force: f64,
+    /// The course of the stage, some 200 moments of it.
+    pub samples: Vec<MotionSample>,
+}
+
+/// A moment of a run stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionSample {
+    /// Model time since the stage's start (s).
+    pub time_s: f64,
+    /// Logarithmic strain since the stage's start along x, y, z (1).
+    pub strain: [f64; 3],
+    /// Mean stress of the two walls of each axis, contacts and fluid (Pa).
+    pub stress_pa: [f64; 3],
+    /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
+    pub mean_pressure_pa: f64,
 }
 
 impl Consolidation {

@@ -1,7 +1,9 @@
 //! From a plan to the things that move.
 
 use super::coupled::{RemeshRule, Saturation};
-use crate::dem::{self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial};
+use crate::dem::{
+    self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial,
+};
 use crate::pfv;
 use crate::scene::{self, ParticleSource, Plan, Sizes};
 use crate::{Aabb, InputError, Result, Vec3};
@@ -17,16 +19,21 @@ pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
         return Ok((packing.position, packing.radius, bounds));
     }
     let (ParticleSource::Cloud(cloud), Some(bounds)) = (&plan.particles.source, plan.bounds) else {
-        return Err(InputError::new("a cloud needs a box", "add a table [box] with min and max").into());
+        return Err(
+            InputError::new("a cloud needs a box", "add a table [box] with min and max").into()
+        );
     };
     let (sizes, scale) = match &cloud.sizes {
-        Sizes::Uniform { mean, spread } => (SizeDistribution::Uniform { spread: *spread }, CloudScale::MeanRadius(*mean)),
+        Sizes::Uniform { mean, spread } => {
+            (SizeDistribution::Uniform { spread: *spread }, CloudScale::MeanRadius(*mean))
+        }
         Sizes::Classes(classes) => {
             let list = classes.iter().map(|c| (c.radius, c.share)).collect();
             (SizeDistribution::List(list), CloudScale::AsListed)
         }
     };
-    let spec = CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
+    let spec =
+        CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
     let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();
     Ok((position, radius, bounds))
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
 use super::coupled::{Coupled, FluidState};
-use super::outcome::{LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
 use super::setup;
 use super::stages::{Active, Context, Progress};
 use super::{Observation, TimeStepBounds};
@@ -79,10 +79,23 @@ impl Simulation {
     pub fn restart(plan: Plan, state: State) -> Result<Simulation> {
         let stage = state.stage as usize;
         if stage > plan.stages.len() {
-            let what = format!("the checkpoint is in stage {}, the scene has {}", stage + 1, plan.stages.len());
-            return Err(InputError::new(what, "restart with the scene that the checkpoint was made with").into());
+            let what = format!(
+                "the checkpoint is in stage {}, the scene has {}",
+                stage + 1,
+                plan.stages.len()
+            );
+            return Err(InputError::new(
+                what,
+                "restart with the scene that the checkpoint was made with",
+            )
+            .into());
         }
-        let dem = Dem::from_state(state.dem, setup::material(&plan), setup::wall_material(&plan), setup::options(&plan))?;
+        let dem = Dem::from_state(
+            state.dem,
+            setup::material(&plan),
+            setup::wall_material(&plan),
+            setup::options(&plan),
+        )?;
         let mut coupled = Coupled::new(dem);
         if let Some(active) = &state.active {
             active.restore(&mut coupled, &plan)?;
@@ -140,7 +153,12 @@ impl Simulation {
     fn finish_stage(&mut self, name: String, outcome: Outcome) {
         let (step, time) = self.stage_start;
         let steps = self.clock.step - step;
-        self.outcomes.push(StageOutcome { name, steps, model_time_s: self.clock.time - time, outcome });
+        self.outcomes.push(StageOutcome {
+            name,
+            steps,
+            model_time_s: self.clock.time - time,
+            outcome,
+        });
         self.stage += 1;
         self.stage_start = (self.clock.step, self.clock.time);
         self.clock.refresh();
@@ -197,6 +215,11 @@ impl Simulation {
         &self.outcomes
     }
 
+    /// The consolidation that is going on, as far as it has come.
+    pub fn consolidation(&self) -> Option<&Consolidation> {
+        self.active.as_ref()?.consolidation()
+    }
+
     /// Scalars of the current state.
     pub fn observe(&self) -> Observation {
         self.coupled.observe()
@@ -232,9 +255,11 @@ impl Simulation {
         let pressures = self.coupled.flow().map_or(&[][..], |f| f.pressure());
         let numbers = vectors.flat_map(|v| [v.x, v.y, v.z]).chain(pressures.iter().copied());
         // FNV-1a, 64 bits.
-        let hash = numbers.flat_map(|x| x.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325u64, |h, byte| {
-            (h ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        });
+        let hash = numbers
+            .flat_map(|x| x.to_bits().to_le_bytes())
+            .fold(0xcbf2_9ce4_8422_2325u64, |h, byte| {
+                (h ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+            });
         format!("{hash:016x}")
     }
 }
@@ -248,7 +273,10 @@ pub(super) fn last_cycles(outcomes: &[StageOutcome]) -> Option<&LoadCycles> {
 }
 
 /// The last finished measurement of the permeability along an axis.
-pub(super) fn last_permeability(outcomes: &[StageOutcome], axis: Axis) -> Option<&PermeabilityTest> {
+pub(super) fn last_permeability(
+    outcomes: &[StageOutcome],
+    axis: Axis,
+) -> Option<&PermeabilityTest> {
     outcomes.iter().rev().find_map(|o| match &o.outcome {
         Outcome::Permeability(test) if test.axis == axis.name() => Some(test),
         _ => None,

@@ -158,9 +158,7 @@ fn rescale(radii: &mut [f64], spec: &CloudSpec) -> Result<(), DemError> {
             // mean is the distribution's, not the sample's.
             match &spec.sizes {
                 SizeDistribution::Uniform { .. } => mean,
-                SizeDistribution::List(_) => {
-                    mean * radii.len() as f64 / radii.iter().sum::<f64>()
-                }
+                SizeDistribution::List(_) => mean * radii.len() as f64 / radii.iter().sum::<f64>(),
             }
         }
         CloudScale::AsListed => match &spec.sizes {

@@ -158,13 +158,13 @@ impl GrowthCompaction {
             return Ok(());
         }
         self.passed |= stress > goal;
-        let largest =
-            if self.passed { self.options.slow_factor } else { self.options.fast_factor };
+        let largest = if self.passed { self.options.slow_factor } else { self.options.fast_factor };
         // An early burst of stress must not shrink the spheres to nothing.
         let factor = (1.0 + missing * (largest - 1.0)).max(0.9);
         dem.scale_radii(factor)?;
         let safety = self.options.time_step_safety;
-        self.dt = dem.contact_time_step(safety).unwrap_or(f64::INFINITY).min(lone_contact(dem, safety));
+        self.dt =
+            dem.contact_time_step(safety).unwrap_or(f64::INFINITY).min(lone_contact(dem, safety));
         Ok(())
     }
 }

@@ -178,9 +178,8 @@ impl Neighbours {
         let starts = &mut self.incoming_start;
         starts.clear();
         starts.resize(n + 1, 0);
-        let outer = || {
-            self.bounds.windows(2).flat_map(|b| &self.pairs[b[0].outer..b[1].inner]).zip(0u32..)
-        };
+        let outer =
+            || self.bounds.windows(2).flat_map(|b| &self.pairs[b[0].outer..b[1].inner]).zip(0u32..);
         for ([_, j], _) in outer() {
             starts[*j as usize + 1] += 1;
         }

@@ -27,7 +27,8 @@ impl Dem {
         self.contacts()
             .map(|c| {
                 let shear = c.shear.norm_squared();
-                let tangential = if shear > 0.0 { shear / (self.law.ratio * c.stiffness) } else { 0.0 };
+                let tangential =
+                    if shear > 0.0 { shear / (self.law.ratio * c.stiffness) } else { 0.0 };
                 0.5 * (c.normal_force.powi(2) / c.stiffness + tangential)
             })
             .sum()
@@ -63,7 +64,9 @@ impl Dem {
         let fluid = fluid_force.unwrap_or(&[]);
         let forces = self.forces().iter().zip(&self.particles.mass).enumerate();
         let left: f64 = forces
-            .map(|(i, (f, &m))| (f + m * gravity + fluid.get(i).copied().unwrap_or_default()).norm())
+            .map(|(i, (f, &m))| {
+                (f + m * gravity + fluid.get(i).copied().unwrap_or_default()).norm()
+            })
             .sum();
         (left / self.particles.len() as f64) / (sum / count as f64)
     }

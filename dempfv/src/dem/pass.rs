@@ -85,11 +85,8 @@ fn run<const FRICTION: bool, const ROTATION: bool>(
     let work = |span: PairSpan<'_>| span.evaluate::<FRICTION, ROTATION>(&input);
     for_blocks(span, &work, &|(), ()| ());
 
-    let span = GatherSpan {
-        start: &list.incoming_start,
-        force: &mut out.force,
-        torque: &mut out.torque,
-    };
+    let span =
+        GatherSpan { start: &list.incoming_start, force: &mut out.force, torque: &mut out.torque };
     let (incoming, sent) = (&list.incoming, &out.sent);
     let work = |span: GatherSpan<'_>| span.gather::<ROTATION>(incoming, sent);
     for_blocks(span, &work, &|(), ()| ());

@@ -47,7 +47,10 @@ impl Clamp {
         let radius = sum(throats, |t| t.fluid_volume) / sum(throats, |t| t.solid_area);
         let mean = match self {
             Clamp::Yade => length * radius / (8.0 * viscosity),
-            _ => sum(throats, |t| t.fluid_area) / count * (2.0 * radius).powi(2) / (8.0 * viscosity * length),
+            _ => {
+                sum(throats, |t| t.fluid_area) / count * (2.0 * radius).powi(2)
+                    / (8.0 * viscosity * length)
+            }
         };
         (1e-4 * mean, 100.0 * mean)
     }
@@ -64,13 +67,17 @@ impl FromStr for Clamp {
 
     fn from_str(s: &str) -> Result<Self, Self::Err> {
         Clamp::ALL.into_iter().find(|c| c.name() == s).ok_or_else(|| {
-            crate::InputError::new(format!("unknown clamp `{s}`"), "the clamps are none, relative and yade")
+            crate::InputError::new(
+                format!("unknown clamp `{s}`"),
+                "the clamps are none, relative and yade",
+            )
         })
     }
 }
 
 /// A sum in chunks of fixed size, so that its bits do not depend on threads.
 fn sum(throats: &[Throat], value: impl Fn(&Throat) -> f64 + Sync) -> f64 {
-    let parts: Vec<f64> = throats.par_chunks(4096).map(|chunk| chunk.iter().map(&value).sum()).collect();
+    let parts: Vec<f64> =
+        throats.par_chunks(4096).map(|chunk| chunk.iter().map(&value).sum()).collect();
     parts.iter().sum()
 }

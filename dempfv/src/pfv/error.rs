@@ -17,7 +17,9 @@ pub enum PfvError {
     NoSpheres,
     /// A pore lies between opposite walls or has no sphere, which happens only
     /// when spheres lie outside the box.
-    #[error("pore {pore} (vertices {vertices}) has no place between sphere and walls: are all spheres inside the box?")]
+    #[error(
+        "pore {pore} (vertices {vertices}) has no place between sphere and walls: are all spheres inside the box?"
+    )]
     BadPore {
         /// The pore.
         pore: u32,

@@ -69,7 +69,13 @@ impl Flow {
     /// # Errors
     /// As [`Network::new`] and [`Operators::new`], and when the factorization
     /// fails.
-    pub fn new(position: &[Vec3], radius: &[f64], bounds: Aabb, fluid: &Fluid, solver: SolverKind) -> Result<Flow> {
+    pub fn new(
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: Aabb,
+        fluid: &Fluid,
+        solver: SolverKind,
+    ) -> Result<Flow> {
         let start = Instant::now();
         let network = Network::new(position, radius, bounds, fluid)?;
         let operators = Operators::new(&network, fluid.boundary)?;
@@ -141,7 +147,8 @@ impl Flow {
         self.operators.right_hand_side(&self.volume_rate, &mut self.rhs);
         if let Some(factor) = &mut self.factor {
             if self.residual.is_none() {
-                let residual = factor.solve_checked(&self.operators.matrix, &self.rhs, &mut self.solution)?;
+                let residual =
+                    factor.solve_checked(&self.operators.matrix, &self.rhs, &mut self.solution)?;
                 self.residual = Some(residual);
             } else {
                 factor.solve(&self.rhs, &mut self.solution)?;

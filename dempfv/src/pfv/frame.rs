@@ -24,7 +24,11 @@ pub(super) enum Vertex {
 
 impl<'a> Frame<'a> {
     pub fn new(position: &[Vec3], radius: &'a [f64], bounds: &Aabb) -> Self {
-        Frame { x: position.par_iter().map(|x| x - bounds.min).collect(), r: radius, size: bounds.size() }
+        Frame {
+            x: position.par_iter().map(|x| x - bounds.min).collect(),
+            r: radius,
+            size: bounds.size(),
+        }
     }
 
     pub fn spheres(&self) -> usize {

@@ -52,12 +52,20 @@ impl Network {
     /// # Errors
     /// When the triangulation fails, a sphere lies outside the box, or a
     /// pore's geometry or conductance is not finite.
-    pub fn new(position: &[Vec3], radius: &[f64], bounds: Aabb, fluid: &Fluid) -> Result<Network, PfvError> {
+    pub fn new(
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: Aabb,
+        fluid: &Fluid,
+    ) -> Result<Network, PfvError> {
         let frame = Frame::new(position, radius, &bounds);
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
         let (pairs, throat_of) = number_throats(&tessellation);
-        let friction = WallFriction { slip: fluid.slip_walls, open: fluid.boundary.pressure.map(|p| p.is_some()) };
+        let friction = WallFriction {
+            slip: fluid.slip_walls,
+            open: fluid.boundary.pressure.map(|p| p.is_some()),
+        };
         let evaluated = evaluate_throats(&frame, &tessellation, &pores, &pairs, friction);
         let conductance = conductances(&evaluated, fluid);
         check_finite(&tessellation, &pairs, &conductance)?;
@@ -87,13 +95,17 @@ impl Network {
         let radius = vec![0.0; position.len()];
         let frame = Frame::new(position, &radius, bounds);
         let cells = &self.tessellation.cells;
-        cells.par_iter().map(|&cell| Pore::new(&frame, cell).map_or(f64::NAN, |p| p.volume)).collect()
+        cells
+            .par_iter()
+            .map(|&cell| Pore::new(&frame, cell).map_or(f64::NAN, |p| p.volume))
+            .collect()
     }
 
     /// Conductance across the facet opposite each vertex of a pore; 0 where
     /// there is no throat.
     pub fn conductances_of(&self, pore: usize) -> [f64; 4] {
-        self.throat_of[pore].map(|t| if t == NONE { 0.0 } else { self.throats.conductance[t as usize] })
+        self.throat_of[pore]
+            .map(|t| if t == NONE { 0.0 } else { self.throats.conductance[t as usize] })
     }
 }
 
@@ -110,7 +122,11 @@ fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Vec<Pore>, PfvError
         let name = || t.cell_name(i as u32);
         let pore = pore.ok_or_else(|| PfvError::BadPore { pore: i as u32, vertices: name() })?;
         if !pore.center.iter().chain([&pore.volume]).all(|v| v.is_finite()) {
-            return Err(PfvError::NotFinite { pore: i as u32, vertices: name(), quantity: "the pore's centre or volume" });
+            return Err(PfvError::NotFinite {
+                pore: i as u32,
+                vertices: name(),
+                quantity: "the pore's centre or volume",
+            });
         }
         out.push(pore);
     }
@@ -150,7 +166,8 @@ fn evaluate_throats(
             let [i, j] = place.pores.map(|p| p as usize);
             let facet = FACETS[place.facet].map(|k| t.cells[i][k]);
             // A facet of three walls lies on the hull and separates no pores.
-            throat(frame, friction, facet, pores[i].center, pores[j].center).unwrap_or(Throat::CLOSED)
+            throat(frame, friction, facet, pores[i].center, pores[j].center)
+                .unwrap_or(Throat::CLOSED)
         })
         .collect()
 }
@@ -178,7 +195,11 @@ fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Resu
         None => Ok(()),
         Some(k) => {
             let pore = places[k].pores[0];
-            Err(PfvError::NotFinite { pore, vertices: t.cell_name(pore), quantity: "a throat's conductance" })
+            Err(PfvError::NotFinite {
+                pore,
+                vertices: t.cell_name(pore),
+                quantity: "a throat's conductance",
+            })
         }
     }
 }

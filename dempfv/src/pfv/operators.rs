@@ -51,7 +51,12 @@ impl Operators {
     /// # Errors
     /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
     pub fn new(network: &Network, boundary: Boundary) -> Result<Operators, PfvError> {
-        let imposed_by: Vec<u8> = network.tessellation.cells.iter().map(|&c| imposing_wall(network, &boundary, c)).collect();
+        let imposed_by: Vec<u8> = network
+            .tessellation
+            .cells
+            .iter()
+            .map(|&c| imposing_wall(network, &boundary, c))
+            .collect();
         let mut unknown_of = vec![NONE; network.pores()];
         let mut pore_of = Vec::with_capacity(network.pores());
         for (i, &wall) in imposed_by.iter().enumerate() {
@@ -141,7 +146,13 @@ impl Operators {
                 flux[wall as usize] += volume_rate[i];
             }
         }
-        for ([i, j], g) in network.throats.pores.iter().map(|p| p.map(|p| p as usize)).zip(&network.throats.conductance) {
+        for ([i, j], g) in network
+            .throats
+            .pores
+            .iter()
+            .map(|p| p.map(|p| p as usize))
+            .zip(&network.throats.conductance)
+        {
             let flow = g * (pressure[i] - pressure[j]);
             for (pore, out) in [(i, flow), (j, -flow)] {
                 if let Some(sum) = flux.get_mut(self.imposed_by[pore] as usize) {
@@ -181,7 +192,10 @@ impl Forces {
     fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
         let range = self.start[row] as usize..self.start[row + 1] as usize;
         let pores = &self.pore[range.clone()];
-        pores.iter().zip(&self.push[range]).fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
+        pores
+            .iter()
+            .zip(&self.push[range])
+            .fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
     }
 }
 
@@ -200,7 +214,11 @@ fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
 /// The wall that imposes a cell's pressure; of several the last, as in YADE.
 fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u8 {
     let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
-    walls.filter(|w| boundary.pressure[w.index()].is_some()).map(|w| w.index() as u8).max().unwrap_or(6)
+    walls
+        .filter(|w| boundary.pressure[w.index()].is_some())
+        .map(|w| w.index() as u8)
+        .max()
+        .unwrap_or(6)
 }
 
 /// Every free pore must reach one with an imposed pressure through throats
@@ -265,9 +283,17 @@ struct Column {
 }
 
 impl Column {
-    fn new(network: &Network, boundary: &Boundary, imposed_by: &[u8], unknown_of: &[u32], u: u32, i: usize) -> Column {
+    fn new(
+        network: &Network,
+        boundary: &Boundary,
+        imposed_by: &[u8],
+        unknown_of: &[u32],
+        u: u32,
+        i: usize,
+    ) -> Column {
         let mut column = Column { diagonal: 0.0, inflow: 0.0, below: [(0, 0.0); 4], count: 0 };
-        for (j, g) in network.tessellation.neighbors[i].into_iter().zip(network.conductances_of(i)) {
+        for (j, g) in network.tessellation.neighbors[i].into_iter().zip(network.conductances_of(i))
+        {
             if j == NONE {
                 continue;
             }

@@ -56,7 +56,8 @@ impl Roles {
                     roles.count += 1;
                 }
                 Vertex::Wall(wall) => {
-                    let fits = n_walls < 3 && roles.walls[..n_walls].iter().all(|(_, w)| w.axis() != wall.axis());
+                    let fits = n_walls < 3
+                        && roles.walls[..n_walls].iter().all(|(_, w)| w.axis() != wall.axis());
                     if !fits {
                         return None;
                     }

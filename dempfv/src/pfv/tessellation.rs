@@ -90,7 +90,8 @@ fn spatial_order(cells: &[[u32; 4]], frame: &Frame) -> Vec<u32> {
         .into_par_iter()
         .map(|c| {
             let spheres = cells[c as usize].iter().filter_map(|&v| frame.x.get(v as usize));
-            let (sum, count) = spheres.fold((crate::Vec3::zeros(), 0.0), |(s, k), x| (s + x, k + 1.0));
+            let (sum, count) =
+                spheres.fold((crate::Vec3::zeros(), 0.0), |(s, k), x| (s + x, k + 1.0));
             let at = (sum / f64::max(count, 1.0)).component_mul(&scale);
             let key = (0..3).map(|a| spread(at[a] as u64) << a).fold(0, |k, bits| k | bits);
             (key, c)

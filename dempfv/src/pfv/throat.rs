@@ -69,27 +69,46 @@ impl Throat {
 /// Evaluates the facet with these vertices, turning counterclockwise seen from
 /// outside the first pore, between pores centred at `p1` and `p2`. `None` for
 /// a facet of three walls.
-pub(super) fn throat(frame: &Frame, friction: WallFriction, facet: [u32; 3], p1: Vec3, p2: Vec3) -> Option<Throat> {
+pub(super) fn throat(
+    frame: &Frame,
+    friction: WallFriction,
+    facet: [u32; 3],
+    p1: Vec3,
+    p2: Vec3,
+) -> Option<Throat> {
     let facet = Facet::new(frame, facet)?;
     let (p1, p2) = separate(&facet, p1, p2);
     let mut solid = [0.0; 3];
     let mut solid_volume = 0.0;
     for s in 0..facet.spheres {
         let (_, x, r) = facet.sphere[s];
-        let omega = facet.partners(frame, s).map(|q| solid_angle(q - x, p1 - x, p2 - x)).iter().sum::<f64>();
+        let omega = facet
+            .partners(frame, s)
+            .map(|q| solid_angle(q - x, p1 - x, p2 - x))
+            .iter()
+            .sum::<f64>();
         solid[facet.sphere[s].0] = r * r * omega;
         solid_volume += r * r * r * omega / 3.0;
     }
     for &(k, wall) in &facet.wall[..3 - facet.spheres] {
         if friction.drags(wall) {
-            let edge = if facet.spheres == 2 { facet.sphere[0].1 - facet.sphere[1].1 } else { facet.sphere[0].1 - p2 };
+            let edge = if facet.spheres == 2 {
+                facet.sphere[0].1 - facet.sphere[1].1
+            } else {
+                facet.sphere[0].1 - p2
+            };
             solid[k] = (0.5 * (p1 - p2).cross(&edge))[wall.axis()].abs();
         }
     }
     let solid_area: f64 = solid.iter().sum();
     let fluid_volume = facet.area_vector.dot(&(p1 - p2)).abs() / 3.0 - solid_volume;
-    let widening = if friction.slip { [1.0, 0.5f64.sqrt().sqrt(), 0.5f64.sqrt()][3 - facet.spheres] } else { 1.0 };
-    let hydraulic_radius = if solid_area > 0.0 { fluid_volume / solid_area * widening } else { 0.0 };
+    let widening = if friction.slip {
+        [1.0, 0.5f64.sqrt().sqrt(), 0.5f64.sqrt()][3 - facet.spheres]
+    } else {
+        1.0
+    };
+    let hydraulic_radius =
+        if solid_area > 0.0 { fluid_volume / solid_area * widening } else { 0.0 };
     let area = facet.area_vector.norm();
     let sectors = facet.sectors();
     let fluid_area = (area - sectors.iter().sum::<f64>() + facet.overlap(frame)).abs();
@@ -106,7 +125,14 @@ pub(super) fn throat(frame: &Frame, friction: WallFriction, facet: [u32; 3], p1:
 /// Viscous part: the fluid's share of the facet, given to the facet's solids in
 /// proportion to their surface in the throat. Pressure part: each sphere's own
 /// sector of the facet.
-fn push(facet: &Facet, area: f64, fluid_area: f64, sectors: &[f64; 3], solid: &[f64; 3], solid_area: f64) -> [Vec3; 3] {
+fn push(
+    facet: &Facet,
+    area: f64,
+    fluid_area: f64,
+    sectors: &[f64; 3],
+    solid: &[f64; 3],
+    solid_area: f64,
+) -> [Vec3; 3] {
     let normal = if area > 0.0 { facet.area_vector / area } else { Vec3::zeros() };
     let mut push = [Vec3::zeros(); 3];
     for k in 0..3 {

@@ -29,10 +29,15 @@ pub struct Spheres {
 
 /// The settled packing of 1,000 spheres that the project ships.
 pub fn settled() -> Spheres {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../packings/oedometer-1000.txt")).unwrap();
+    let text = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../packings/oedometer-1000.txt"
+    ))
+    .unwrap();
     let mut s = Spheres { x: vec![], r: vec![], bounds: unit_box(1.0) };
     for line in text.lines() {
-        let numbers = |t: &str| t.split_whitespace().map(|w| w.parse().unwrap()).collect::<Vec<f64>>();
+        let numbers =
+            |t: &str| t.split_whitespace().map(|w| w.parse().unwrap()).collect::<Vec<f64>>();
         if let Some(edges) = line.strip_prefix("# box") {
             let b = numbers(edges);
             s.bounds = Aabb { min: Vec3::new(b[0], b[1], b[2]), max: Vec3::new(b[3], b[4], b[5]) };
@@ -54,7 +59,10 @@ pub fn unit_box(edge: f64) -> Aabb {
 pub fn cubic(n: usize, jitter: f64) -> Spheres {
     let mut random = Random(7);
     let x = (0..n * n * n)
-        .map(|i| Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64).add_scalar(0.5) + jitter * random.vector())
+        .map(|i| {
+            Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64).add_scalar(0.5)
+                + jitter * random.vector()
+        })
         .collect();
     Spheres { x, r: vec![0.5; n * n * n], bounds: unit_box(n as f64) }
 }
@@ -66,7 +74,11 @@ pub fn face_centred(n: usize, jitter: f64) -> Spheres {
     let r = 0.5f64.sqrt() / 2.0;
     let corners = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
     let x: Vec<Vec3> = (0..n * n * n)
-        .flat_map(|i| corners.map(|c| Vec3::from(c) + Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64)))
+        .flat_map(|i| {
+            corners.map(|c| {
+                Vec3::from(c) + Vec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64)
+            })
+        })
         .map(|c| c.add_scalar(r) + jitter * random.vector())
         .collect();
     let edge = n as f64 - 0.5 + 2.0 * r;

@@ -7,10 +7,33 @@ use dempfv::io::history::Value;
 /// Names of the columns, with units; six per-wall columns follow each of the
 /// per-wall quantities.
 pub fn columns() -> Vec<String> {
-    let mut names: Vec<String> = ["step", "time_s", "stage", "dt_s", "size_x_m", "size_y_m", "size_z_m", "porosity", "contacts", "coordination_number", "unbalanced_force", "kinetic_energy_j", "elastic_energy_j", "largest_pressure_pa", "mean_pressure_pa", "network_age", "remeshes"]
-        .map(str::to_owned)
-        .to_vec();
-    for (quantity, unit) in [("contact_stress", "pa"), ("fluid_stress", "pa"), ("wall_displacement", "m"), ("flux", "m3_s")] {
+    let mut names: Vec<String> = [
+        "step",
+        "time_s",
+        "stage",
+        "dt_s",
+        "size_x_m",
+        "size_y_m",
+        "size_z_m",
+        "porosity",
+        "contacts",
+        "coordination_number",
+        "unbalanced_force",
+        "kinetic_energy_j",
+        "elastic_energy_j",
+        "largest_pressure_pa",
+        "mean_pressure_pa",
+        "network_age",
+        "remeshes",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    for (quantity, unit) in [
+        ("contact_stress", "pa"),
+        ("fluid_stress", "pa"),
+        ("wall_displacement", "m"),
+        ("flux", "m3_s"),
+    ] {
         names.extend(WallId::ALL.map(|w| format!("{quantity}_{w}_{unit}")));
     }
     names
@@ -27,7 +50,10 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
     values.extend(seen.size.map(Value::from));
     values.push(seen.porosity.into());
     values.push((seen.contacts as u64).into());
-    values.extend([seen.coordination_number, seen.unbalanced_force, seen.kinetic_energy, seen.elastic_energy].map(Value::from));
+    values.extend(
+        [seen.coordination_number, seen.unbalanced_force, seen.kinetic_energy, seen.elastic_energy]
+            .map(Value::from),
+    );
     values.extend([seen.largest_pressure, seen.mean_pressure].map(Value::from));
     values.push(simulation.coupled().network_age().into());
     values.push(simulation.remeshes().into());

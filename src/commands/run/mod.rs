@@ -5,15 +5,15 @@ mod pictures;
 mod recorder;
 mod summary;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use dempfv::coupling::{Outcome, Simulation, State};
+use dempfv::coupling::{Simulation, State};
 use dempfv::dem::DemError;
 use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
-use dempfv::{Error, InputError, Result};
+use dempfv::{Error, Result};
 
 use self::recorder::Recorder;
 pub use self::summary::Report;
@@ -53,7 +53,8 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let plan = Plan::load(&args.scene)?;
     let folder = args.output.folder(&args.scene, SUMMARY)?;
     let interrupted = context.interruption()?;
-    let restarted_at = args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
+    let restarted_at =
+        args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
     let from = restarted_at.as_ref().map(|s| (s.step(), s.time()));
     let mut simulation = match restarted_at {
         Some(state) => Simulation::restart(plan, state)?,
@@ -61,9 +62,18 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     };
     make_folder(&folder)?;
     let recorder = Recorder::new(&folder, &simulation, from)?;
-    let mut session = Session { folder, recorder, progress: context.progress(), start: Instant::now(), first: simulation.step() };
+    let mut session = Session {
+        folder,
+        recorder,
+        progress: context.progress(),
+        start: Instant::now(),
+        first: simulation.step(),
+        profiles_seen: 0,
+    };
     let last = args.steps.map(|n| simulation.step() + n);
-    let stop = |s: &Simulation| interrupted.load(Ordering::Relaxed) || last.is_some_and(|last| s.step() >= last);
+    let stop = |s: &Simulation| {
+        interrupted.load(Ordering::Relaxed) || last.is_some_and(|last| s.step() >= last)
+    };
     let ended = session.carry_out(&mut simulation, stop);
     session.close(simulation, context, ended, interrupted.load(Ordering::Relaxed))
 }
@@ -76,12 +86,18 @@ struct Session {
     start: Instant,
     /// Step that this session began at.
     first: u64,
+    /// Pressure profiles that the current consolidation had at the last look.
+    profiles_seen: usize,
 }
 
 impl Session {
     /// Steps until the scene is done or `stop` says so. A failure leaves a
     /// checkpoint behind.
-    fn carry_out(&mut self, simulation: &mut Simulation, stop: impl Fn(&Simulation) -> bool) -> Result<()> {
+    fn carry_out(
+        &mut self,
+        simulation: &mut Simulation,
+        stop: impl Fn(&Simulation) -> bool,
+    ) -> Result<()> {
         let mut kept = (simulation.state(), Instant::now());
         self.begin_stage(simulation);
         while simulation.stage().is_some() && !stop(simulation) {
@@ -94,16 +110,46 @@ impl Session {
                 return Err(error);
             }
             self.recorder.after_step(simulation)?;
+            self.draw_section(simulation)?;
             if simulation.outcomes().len() > done {
                 self.end_stage(simulation)?;
             } else {
-                self.progress.update(simulation.step(), simulation.stage_progress(), || value_of_interest(simulation));
+                self.progress.update(simulation.step(), simulation.stage_progress(), || {
+                    value_of_interest(simulation)
+                });
             }
-            if simulation.step() % 64 == 0 && kept.1.elapsed() > SNAPSHOT {
+            if simulation.step().is_multiple_of(64) && kept.1.elapsed() > SNAPSHOT {
                 kept = (simulation.state(), Instant::now());
             }
         }
         Ok(())
+    }
+
+    /// Draws the section when the first pressure profile from T_v = 0.1 on is
+    /// taken (or the last of all): late enough for a gradient over the whole
+    /// height, early enough for a pressure to see.
+    fn draw_section(&mut self, simulation: &Simulation) -> Result<()> {
+        let (Some(c), Some(stage)) = (simulation.consolidation(), simulation.stage()) else {
+            return Ok(());
+        };
+        let StageKind::Consolidate(plan) = &stage.kind else { return Ok(()) };
+        if !simulation.plan().output.pictures || c.profiles.len() == self.profiles_seen {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.profiles_seen, c.profiles.len());
+        let chosen = plan
+            .profiles
+            .iter()
+            .position(|&t| t >= 0.1)
+            .unwrap_or(plan.profiles.len().saturating_sub(1));
+        match c.profiles.get(chosen) {
+            Some(profile) if chosen >= before => pictures::section(
+                &self.folder,
+                simulation,
+                &format!("at *T*_{{v}} = {:.2}", profile.time_factor),
+            ),
+            _ => Ok(()),
+        }
     }
 
     fn begin_stage(&mut self, simulation: &Simulation) {
@@ -114,6 +160,7 @@ impl Session {
     }
 
     fn end_stage(&mut self, simulation: &Simulation) -> Result<()> {
+        self.profiles_seen = 0;
         if let Some(outcome) = simulation.outcomes().last() {
             self.progress.end(simulation.step(), &summary::headline(&outcome.outcome));
             if simulation.plan().output.pictures {
@@ -126,19 +173,29 @@ impl Session {
 
     /// Writes what there is: history, summary, and a checkpoint unless all is
     /// done.
-    fn close(mut self, simulation: Simulation, context: &Context, ended: Result<()>, interrupted: bool) -> Result<Report> {
+    fn close(
+        mut self,
+        simulation: Simulation,
+        context: &Context,
+        ended: Result<()>,
+        interrupted: bool,
+    ) -> Result<Report> {
         self.recorder.flush()?;
         let finished = ended.is_ok() && simulation.stage().is_none();
         if ended.is_ok() && !finished {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }
-        if simulation.plan().output.pictures {
-            pictures::of_end(&self.folder, &simulation)?;
-        }
         let error = ended.as_ref().err().map(|e| e.to_string());
         let status = summary::Status { finished, interrupted, error };
         let steps = simulation.step() - self.first;
-        let report = Report::new(&simulation, context.threads, self.start.elapsed(), steps, status, &self.folder);
+        let report = Report::new(
+            &simulation,
+            context.threads,
+            self.start.elapsed(),
+            steps,
+            status,
+            &self.folder,
+        );
         super::context::write_json(&self.folder.join(SUMMARY), &report)?;
         match ended {
             Ok(()) => Ok(report),
@@ -154,25 +211,16 @@ fn value_of_interest(simulation: &Simulation) -> String {
     match simulation.stage().map(|s| &s.kind) {
         Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem.mean_wall_stress(), "Pa")),
         Some(StageKind::Cycle(c)) => {
-            format!("σ {}  unbalanced {:.1e}", si(coupled.wall_stress(c.wall), "Pa"), coupled.unbalanced_force())
+            format!(
+                "σ {}  unbalanced {:.1e}",
+                si(coupled.wall_stress(c.wall), "Pa"),
+                coupled.unbalanced_force()
+            )
         }
         Some(StageKind::Consolidate(_)) => {
-            let pressure = coupled.flow().map_or(0.0, |f| f.pressure().iter().copied().fold(0.0, f64::max));
-            format!("t {}  largest p {}", si(simulation.time(), "s"), si(pressure, "Pa"))
+            let sample = simulation.consolidation().and_then(|c| c.samples.last());
+            sample.map_or(String::new(), |s| format!("T_v {:.3}  U {:.3}", s.time_factor, s.degree))
         }
         _ => format!("t {}", si(simulation.time(), "s")),
     }
-}
-
-/// Refuses a checkpoint that is not there before anything is written.
-pub fn check_restart(path: &Path) -> Result<(), InputError> {
-    match path.is_file() {
-        true => Ok(()),
-        false => Err(InputError::new("no such checkpoint", "name the file that an earlier run wrote").in_file(path)),
-    }
-}
-
-/// The last outcome of a kind, for pictures and summaries.
-fn last<'a, T>(simulation: &'a Simulation, pick: impl Fn(&'a Outcome) -> Option<&'a T>) -> Option<&'a T> {
-    simulation.outcomes().iter().rev().find_map(|o| pick(&o.outcome))
 }

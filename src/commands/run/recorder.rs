@@ -30,7 +30,11 @@ struct Frames {
 impl Recorder {
     /// Starts the files, or goes on with those of the run that `from` (step
     /// and time) restarts.
-    pub fn new(folder: &Path, simulation: &Simulation, from: Option<(u64, f64)>) -> Result<Recorder> {
+    pub fn new(
+        folder: &Path,
+        simulation: &Simulation,
+        from: Option<(u64, f64)>,
+    ) -> Result<Recorder> {
         let output = &simulation.plan().output;
         let columns = history::columns();
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
@@ -39,7 +43,9 @@ impl Recorder {
             Some((step, _)) => History::resume(&path, &columns, "step", step)?,
             None => History::create(&path, &columns)?,
         };
-        let frames = (output.vtk_every > 0).then(|| Frames::new(folder, output.vtk_every, from)).transpose()?;
+        let frames = (output.vtk_every > 0)
+            .then(|| Frames::new(folder, output.vtk_every, from))
+            .transpose()?;
         Ok(Recorder {
             folder: folder.to_owned(),
             history,
@@ -57,7 +63,7 @@ impl Recorder {
             return Ok(());
         }
         self.last_row = Some(step);
-        let due = |every: u64| every > 0 && step % every == 0;
+        let due = |every: u64| every > 0 && step.is_multiple_of(every);
         if due(self.history_every) {
             let mut values = Vec::new();
             history::row(simulation, &mut values);
@@ -114,7 +120,12 @@ impl Frames {
         let (points, cells) = flow.network.polyhedra(&particles.position, &bounds);
         let volume = flow.network.volumes_at(&particles.position, &bounds);
         let name = format!("pores-{step:09}.vtu");
-        vtk::write_cells(&folder.join(&name), &points, &cells, &[("pressure", flow.pressure()), ("volume", &volume)])?;
+        vtk::write_cells(
+            &folder.join(&name),
+            &points,
+            &cells,
+            &[("pressure", flow.pressure()), ("volume", &volume)],
+        )?;
         self.pores.push(time, &name)
     }
 }

@@ -25,7 +25,8 @@ impl State {
         if let Some(dem) = &context.plan.dem {
             options.time_step_safety = dem.safety;
         }
-        let state = State { growth: GrowthCompaction::new(options)?, friction_angle: plan.friction_angle };
+        let state =
+            State { growth: GrowthCompaction::new(options)?, friction_angle: plan.friction_angle };
         state.restore(context.coupled)?;
         Ok(state)
     }

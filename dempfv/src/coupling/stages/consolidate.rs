@@ -38,8 +38,10 @@ impl State {
     pub fn start(plan: &scene::Consolidate, context: &mut Context) -> Result<State> {
         let axis = Axis::of(plan.wall);
         let measured = "put a cycle stage and a permeability stage of the same axis before it";
-        let missing = |what: &str| InputError::new(format!("a consolidate stage without {what}"), measured);
-        let modulus = last_cycles(context.outcomes).ok_or_else(|| missing("a measured modulus"))?.modulus_pa;
+        let missing =
+            |what: &str| InputError::new(format!("a consolidate stage without {what}"), measured);
+        let modulus =
+            last_cycles(context.outcomes).ok_or_else(|| missing("a measured modulus"))?.modulus_pa;
         let permeability = last_permeability(context.outcomes, axis)
             .ok_or_else(|| missing("a measured permeability along its axis"))?
             .permeability_m2;
@@ -47,11 +49,11 @@ impl State {
         let (viscosity, drained, outside) = drainage(context, plan.wall)?;
 
         let dem = &mut context.coupled.dem;
-        let before = match dem.walls()[plan.wall.index()].control {
-            WallControl::Servo { stress, .. } => stress,
-            _ => dem.wall_stress(plan.wall),
-        };
-        dem.set_control(plan.wall, WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity })?;
+        let before = dem.wall_stress(plan.wall);
+        dem.set_control(
+            plan.wall,
+            WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity },
+        )?;
         let load = plan.stress - before;
         let height = dem.box_().size()[axis.index()];
         Ok(State {
@@ -83,6 +85,10 @@ impl State {
         self.result.c_v_m2_s * (clock.time - self.start_time) / self.result.height_m.powi(2)
     }
 
+    pub fn so_far(&self) -> &Consolidation {
+        &self.result
+    }
+
     pub fn progress(&self, clock: &Clock) -> f64 {
         (self.time_factor(clock) / self.until).min(1.0)
     }
@@ -109,7 +115,12 @@ impl State {
             return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {
-            return Err(CouplingError::TimeFactorNotReached { steps: self.steps, time_factor: now, goal: self.until }.into());
+            return Err(CouplingError::TimeFactorNotReached {
+                steps: self.steps,
+                time_factor: now,
+                goal: self.until,
+            }
+            .into());
         }
         Ok(Progress::Running)
     }
@@ -122,7 +133,8 @@ impl State {
             time_factor,
             settlement_m: settlement,
             degree: settlement / self.result.final_settlement_m,
-            base_pressure: (mean_pressure_at(flow, self.drained.opposite()) - self.outside) / self.result.load_pa,
+            base_pressure: (mean_pressure_at(flow, self.drained.opposite()) - self.outside)
+                / self.result.load_pa,
         }
     }
 
@@ -130,7 +142,9 @@ impl State {
         let (axis, bounds) = (self.drained.axis(), &flow.network.bounds);
         let height = bounds.size()[axis];
         let mut sums = [(0.0, 0.0); SLABS];
-        for ((center, volume), pressure) in flow.network.center.iter().zip(&flow.network.volume).zip(flow.pressure()) {
+        for ((center, volume), pressure) in
+            flow.network.center.iter().zip(&flow.network.volume).zip(flow.pressure())
+        {
             let depth = self.drained.inward() * (center[axis] - bounds.wall(self.drained)) / height;
             let slab = (depth * SLABS as f64).clamp(0.0, SLABS as f64 - 1.0) as usize;
             sums[slab].0 += volume * (pressure - self.outside);
@@ -150,7 +164,9 @@ fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
     let fluid = context.plan.fluid.as_ref();
     let walls: Vec<(WallId, f64)> = fluid.into_iter().flat_map(|f| f.pressure_walls()).collect();
     match (fluid, &walls[..]) {
-        (Some(fluid), &[(wall, outside)]) if wall.axis() == loaded.axis() => Ok((fluid.viscosity, wall, outside)),
+        (Some(fluid), &[(wall, outside)]) if wall.axis() == loaded.axis() => {
+            Ok((fluid.viscosity, wall, outside))
+        }
         _ => Err(InputError::new(
             "a consolidate stage needs one-way drainage",
             format!("impose a pressure on {loaded} or {} alone", loaded.opposite()),
@@ -170,7 +186,13 @@ fn drained_share(flow: &Flow, wall: WallId, height: f64) -> f64 {
 fn mean_pressure_at(flow: &Flow, wall: WallId) -> f64 {
     let t = &flow.network.tessellation;
     let vertex = (t.spheres + wall.index()) as u32;
-    let touching = t.cells.iter().zip(&flow.network.volume).zip(flow.pressure()).filter(|((c, _), _)| c.contains(&vertex));
-    let (weighted, volume) = touching.fold((0.0, 0.0), |(s, v), ((_, volume), p)| (s + volume * p, v + volume));
+    let touching = t
+        .cells
+        .iter()
+        .zip(&flow.network.volume)
+        .zip(flow.pressure())
+        .filter(|((c, _), _)| c.contains(&vertex));
+    let (weighted, volume) =
+        touching.fold((0.0, 0.0), |(s, v), ((_, volume), p)| (s + volume * p, v + volume));
     weighted / volume
 }

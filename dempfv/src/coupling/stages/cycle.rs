@@ -50,7 +50,7 @@ impl State {
     }
 
     fn goal(&self) -> f64 {
-        if self.strain.len() % 2 == 0 { self.from } else { self.to }
+        if self.strain.len().is_multiple_of(2) { self.from } else { self.to }
     }
 
     fn load(&self, context: &mut Context) -> Result<()> {
@@ -61,12 +61,14 @@ impl State {
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         context.quasi_static_step()?;
         self.steps += 1;
-        if self.steps % LOOK != 0 {
+        if !self.steps.is_multiple_of(LOOK) {
             return Ok(Progress::Running);
         }
         let stress = context.coupled.wall_stress(self.wall);
         let unbalanced = context.coupled.unbalanced_force();
-        if (stress - self.goal()).abs() > self.tolerance * self.goal() || unbalanced > self.unbalanced {
+        if (stress - self.goal()).abs() > self.tolerance * self.goal()
+            || unbalanced > self.unbalanced
+        {
             if self.steps >= self.max_steps {
                 let (steps, goal) = (self.steps, self.goal());
                 return Err(CouplingError::NotSettled { steps, stress, goal, unbalanced }.into());
@@ -84,7 +86,9 @@ impl State {
 
     fn result(&self) -> LoadCycles {
         let last = self.strain.len() - 1;
-        let secant = |a: usize, b: usize| (self.stress[b] - self.stress[a]) / (self.strain[b] - self.strain[a]);
+        let secant = |a: usize, b: usize| {
+            (self.stress[b] - self.stress[a]) / (self.strain[b] - self.strain[a])
+        };
         LoadCycles {
             modulus_pa: secant(last - 2, last - 1),
             unloading_modulus_pa: secant(last - 1, last),

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
 use super::coupled::Coupled;
-use super::outcome::{Outcome, StageOutcome};
+use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
 use crate::dem::WallControl;
 use crate::scene::{Plan, StageKind, TimeStep};
@@ -53,7 +53,9 @@ impl Active {
             StageKind::Compact(plan) => Active::Compact(compact::State::start(plan, context)?),
             StageKind::Cycle(plan) => Active::Cycle(cycle::State::start(plan, context)?),
             StageKind::Permeability(plan) => Active::Permeability(permeability::State::start(plan)),
-            StageKind::Consolidate(plan) => Active::Consolidate(consolidate::State::start(plan, context)?),
+            StageKind::Consolidate(plan) => {
+                Active::Consolidate(consolidate::State::start(plan, context)?)
+            }
             StageKind::Run(plan) => Active::Run(run::State::start(plan, context)?),
         })
     }
@@ -72,8 +74,16 @@ impl Active {
     pub fn progress(&self, clock: &Clock) -> Option<f64> {
         match self {
             Active::Consolidate(state) => Some(state.progress(clock)),
-            Active::Run(state) => state.progress(clock),
+            Active::Run(state) => Some(state.progress(clock)),
             Active::Compact(_) | Active::Cycle(_) | Active::Permeability(_) => None,
+        }
+    }
+
+    /// The consolidation so far, if this is one.
+    pub fn consolidation(&self) -> Option<&Consolidation> {
+        match self {
+            Active::Consolidate(state) => Some(state.so_far()),
+            _ => None,
         }
     }
 
@@ -91,7 +101,8 @@ impl Context<'_> {
     /// One step with the scene's time step, and with its fluid if the pores
     /// are filled.
     fn step(&mut self) -> Result<()> {
-        let (wanted, safety) = self.plan.dem.as_ref().map_or((TimeStep::Auto, 0.8), |d| (d.dt, d.safety));
+        let (wanted, safety) =
+            self.plan.dem.as_ref().map_or((TimeStep::Auto, 0.8), |d| (d.dt, d.safety));
         self.step_with(wanted, safety)
     }
 
@@ -113,7 +124,10 @@ impl Context<'_> {
     /// Fills the pores with the scene's fluid.
     fn saturate(&mut self) -> Result<()> {
         let fluid = self.plan.fluid.as_ref().ok_or_else(|| {
-            InputError::new("a coupled stage in a scene without fluid", "add a table [fluid] with its viscosity")
+            InputError::new(
+                "a coupled stage in a scene without fluid",
+                "add a table [fluid] with its viscosity",
+            )
         })?;
         self.coupled.saturate(setup::saturation(fluid));
         Ok(())

@@ -23,7 +23,10 @@ impl State {
     /// The whole stage: it has no steps.
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         let fluid = context.plan.fluid.as_ref().ok_or_else(|| {
-            InputError::new("a permeability stage in a scene without fluid", "add a table [fluid] with its viscosity")
+            InputError::new(
+                "a permeability stage in a scene without fluid",
+                "add a table [fluid] with its viscosity",
+            )
         })?;
         let axis = [Axis::X, Axis::Y, Axis::Z][self.axis as usize];
         let lower = WallId::ALL[2 * axis.index()];
@@ -34,11 +37,17 @@ impl State {
 
         let dem = &context.coupled.dem;
         let particles = dem.particles();
-        let mut flow =
-            Flow::new(&particles.position, &particles.radius, dem.box_(), &saturation.fluid, saturation.solver)?;
+        let mut flow = Flow::new(
+            &particles.position,
+            &particles.radius,
+            dem.box_(),
+            &saturation.fluid,
+            saturation.solver,
+        )?;
         flow.solve_static()?;
         let measured = flow.permeability(lower, &saturation.fluid);
-        let measured = measured.ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
+        let measured = measured
+            .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
         let porosity = dem.porosity();
         Ok(Progress::Finished(Outcome::Permeability(PermeabilityTest {
             axis: axis.name().to_owned(),

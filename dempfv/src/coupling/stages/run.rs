@@ -6,7 +6,7 @@ use super::{Context, Progress, strain};
 use crate::coupling::CouplingError;
 use crate::coupling::clock::Clock;
 use crate::coupling::coupled::Coupled;
-use crate::coupling::outcome::{Motion, Outcome};
+use crate::coupling::outcome::{Motion, MotionSample, Outcome};
 use crate::dem::WallControl;
 use crate::scene::{self, Plan, Until};
 use crate::{Aabb, Result, WallId};
@@ -17,9 +17,14 @@ pub struct State {
     friction_angle: Option<f64>,
     reference: Aabb,
     steps: u64,
+    start_time: f64,
     /// Share of the stage that is done, where the strain ends it.
     strained: f64,
+    samples: Vec<MotionSample>,
 }
+
+/// Moments of the stage's course that are kept.
+const SAMPLES: f64 = 200.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum End {
@@ -48,29 +53,51 @@ impl State {
             friction_angle: plan.friction_angle,
             reference: context.coupled.dem.box_(),
             steps: 0,
+            start_time: clock.time,
             strained: 0.0,
+            samples: vec![],
         };
         state.restore(context.coupled, context.plan)?;
         Ok(state)
     }
 
     pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
-        Ok(coupled.dem.set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
+        Ok(coupled
+            .dem
+            .set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
     }
 
-    pub fn progress(&self, clock: &Clock) -> Option<f64> {
-        Some(match self.end {
+    fn sample(&self, context: &Context) -> MotionSample {
+        let coupled = &context.coupled;
+        let stress = |axis: usize| {
+            0.5 * (coupled.wall_stress(WallId::ALL[2 * axis])
+                + coupled.wall_stress(WallId::ALL[2 * axis + 1]))
+        };
+        MotionSample {
+            time_s: context.clock.time - self.start_time,
+            strain: strain(&self.reference, &coupled.dem.box_()),
+            stress_pa: [0, 1, 2].map(stress),
+            mean_pressure_pa: coupled.mean_pressure(),
+        }
+    }
+
+    pub fn progress(&self, clock: &Clock) -> f64 {
+        match self.end {
             End::Step(from, to) => (clock.step - from) as f64 / (to - from) as f64,
             End::Time(from, to) => (clock.time - from) / (to - from),
             End::Strain { .. } => self.strained,
-        })
+        }
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         if !self.is_over(context)? {
             context.step()?;
             self.steps += 1;
-            if !self.is_over(context)? {
+            let over = self.is_over(context)?;
+            if over || self.progress(context.clock) * SAMPLES >= self.samples.len() as f64 {
+                self.samples.push(self.sample(context));
+            }
+            if !over {
                 return Ok(Progress::Running);
             }
         }
@@ -80,6 +107,7 @@ impl State {
             strain: strain(&self.reference, &coupled.dem.box_()),
             wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
             unbalanced_force: coupled.unbalanced_force(),
+            samples: std::mem::take(&mut self.samples),
         })))
     }
 
@@ -93,7 +121,12 @@ impl State {
                 let now = strain(&self.reference, &context.coupled.dem.box_())[axis];
                 self.strained = (now / goal).clamp(0.0, 1.0);
                 if now / goal < 1.0 && self.steps >= max_steps {
-                    return Err(CouplingError::StrainNotReached { steps: self.steps, strain: now, goal }.into());
+                    return Err(CouplingError::StrainNotReached {
+                        steps: self.steps,
+                        strain: now,
+                        goal,
+                    }
+                    .into());
                 }
                 Ok(now / goal >= 1.0)
             }
@@ -105,6 +138,8 @@ fn wall_control(control: &scene::WallControl) -> WallControl {
     match *control {
         scene::WallControl::Fixed => WallControl::Fixed,
         scene::WallControl::Velocity { velocity } => WallControl::Velocity(velocity),
-        scene::WallControl::Stress { stress, max_velocity } => WallControl::Servo { stress, max_velocity },
+        scene::WallControl::Stress { stress, max_velocity } => {
+            WallControl::Servo { stress, max_velocity }
+        }
     }
 }

@@ -1,0 +1,158 @@
+//! The pictures of a run.
+
+use std::path::Path;
+
+use dempfv::Result;
+use dempfv::coupling::{
+    Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
+};
+use dempfv::scene::{StageKind, Until};
+
+use crate::commands::format::{si, three_digits};
+use crate::report::plot::{self, Section};
+
+/// Draws what a finished stage has to show.
+pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) -> Result<()> {
+    match &stage.outcome {
+        Outcome::Consolidate(c) => consolidation(folder, simulation, stage, c),
+        Outcome::Run(m) => motion(folder, simulation, stage, m),
+        Outcome::Compact(_) | Outcome::Cycle(_) | Outcome::Permeability(_) => Ok(()),
+    }
+}
+
+fn consolidation(
+    folder: &Path,
+    simulation: &Simulation,
+    stage: &StageOutcome,
+    c: &Consolidation,
+) -> Result<()> {
+    let caption = caption(simulation, c);
+    let series =
+        |pick: fn(&ConsolidationSample) -> f64| c.samples.iter().map(pick).collect::<Vec<f64>>();
+    let (time_factor, degree) = (series(|s| s.time_factor), series(|s| s.degree));
+    let base_pressure = series(|s| s.base_pressure);
+    plot::consolidation(&plot::Consolidation {
+        time_factor: &time_factor,
+        degree: &degree,
+        base_pressure: &base_pressure,
+        drained_share: c.drained_share,
+        caption: &caption,
+    })
+    .save(folder, &name("consolidation", simulation, stage))?;
+    if c.profiles.is_empty() {
+        return Ok(());
+    }
+    let heights: Vec<Vec<f64>> =
+        c.profiles.iter().map(|p| p.depth.iter().map(|d| 1.0 - d).collect()).collect();
+    let profiles: Vec<plot::Profile> = c
+        .profiles
+        .iter()
+        .zip(&heights)
+        .map(|(p, height)| plot::Profile {
+            time_factor: p.time_factor,
+            height,
+            pressure: &p.pressure,
+        })
+        .collect();
+    plot::profiles(&profiles, c.drained_share, &caption)
+        .save(folder, &name("profiles", simulation, stage))
+}
+
+/// Stress by strain where the strain ends the stage, else stress and pore
+/// pressure by time.
+fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Motion) -> Result<()> {
+    let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
+    let axis = match until {
+        Some(StageKind::Run(run)) => match run.until {
+            Until::Strain { axis, .. } => Some(axis),
+            Until::Steps(_) | Until::Time(_) => None,
+        },
+        _ => None,
+    };
+    let largest = m.samples.iter().flat_map(|s| s.stress_pa).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let (prefix, unit) = plot::axis::prefix(largest);
+    let x: Vec<f64> = match axis {
+        Some(axis) => m.samples.iter().map(|s| 100.0 * s.strain[axis.index()]).collect(),
+        None => m.samples.iter().map(|s| s.time_s).collect(),
+    };
+    let x_label =
+        axis.map_or("Time (s)".to_owned(), |a| format!("Strain along *{}* (%)", a.name()));
+    let mut curves: Vec<(String, Vec<f64>)> = (0..3)
+        .map(|k| {
+            (
+                format!("*σ*_{}", ["x", "y", "z"][k]),
+                m.samples.iter().map(|s| s.stress_pa[k] / unit).collect(),
+            )
+        })
+        .collect();
+    if simulation.coupled().flow().is_some() {
+        curves.push((
+            "mean pore pressure".to_owned(),
+            m.samples.iter().map(|s| s.mean_pressure_pa / unit).collect(),
+        ));
+    }
+    let series: Vec<plot::Series> = curves
+        .iter()
+        .zip(plot::SERIES)
+        .map(|((name, y), color)| plot::Series {
+            name: Some(name.clone()),
+            x: &x,
+            y,
+            color,
+            mark: plot::Mark::Line { width: 1.6, dash: None },
+        })
+        .collect();
+    let y_label = format!("Stress on the walls ({prefix}Pa)");
+    let title = format!("{}: {}", simulation.plan().title, stage.name);
+    plot::xy(
+        &title,
+        "Compression positive; contacts and fluid together.",
+        plot::Axis::linear(&x_label),
+        plot::Axis::linear(&y_label),
+        &series,
+    )
+    .save(folder, &format!("stress-{}", stage.name))
+}
+
+/// A cut through the middle of the packing, coloured by pore pressure.
+pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
+    let coupled = simulation.coupled();
+    let Some(flow) = coupled.flow() else { return Ok(()) };
+    let particles = coupled.dem.particles();
+    let bounds = coupled.dem.box_();
+    let (points, cells) = flow.network.polyhedra(&particles.position, &bounds);
+    plot::section(&Section {
+        title: "Pore pressure in a section",
+        caption: &format!("{}\n{moment}", simulation.plan().title),
+        bounds,
+        axis: 2,
+        position: bounds.center().z,
+        centers: &particles.position,
+        radii: &particles.radius,
+        points: &points,
+        cells: &cells,
+        values: flow.pressure(),
+        quantity: "Pore pressure",
+        unit: "Pa",
+    })
+    .save(folder, "section")
+}
+
+/// A picture's name: with the stage's, where several stages have one.
+fn name(picture: &str, simulation: &Simulation, stage: &StageOutcome) -> String {
+    let stages = &simulation.plan().stages;
+    let alike = stages.iter().filter(|s| matches!(s.kind, StageKind::Consolidate(_))).count();
+    if alike > 1 { format!("{picture}-{}", stage.name) } else { picture.to_owned() }
+}
+
+fn caption(simulation: &Simulation, c: &Consolidation) -> String {
+    format!(
+        "{} spheres, H = {}, Δσ = {}.\nMeasured beforehand: *E*_{{oed}} = {}, *k* = {:.3e} m²; so *c*_{{v}} = {} m²/s.",
+        simulation.coupled().dem.particles().len(),
+        si(c.height_m, "m"),
+        si(c.load_pa, "Pa"),
+        si(c.modulus_pa, "Pa"),
+        c.permeability_m2,
+        three_digits(c.c_v_m2_s),
+    )
+}

@@ -1,0 +1,220 @@
+//! What a run leaves in `summary.json`, and says at its end.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use dempfv::coupling::{Consolidation, Outcome, Simulation, StageOutcome};
+use serde::Serialize;
+
+use crate::commands::doctor;
+use crate::commands::format::{bytes, count, duration, si, three_digits};
+use crate::report::table::table;
+
+/// How a run ended.
+pub struct Status {
+    /// All stages are done.
+    pub finished: bool,
+    /// Ctrl-C ended it.
+    pub interrupted: bool,
+    /// Why it could not go on.
+    pub error: Option<String>,
+}
+
+/// Everything about a run that fits on a page.
+#[derive(Serialize)]
+pub struct Report {
+    title: String,
+    finished: bool,
+    /// Ctrl-C ended the run.
+    pub interrupted: bool,
+    error: Option<String>,
+    particles: usize,
+    pores: usize,
+    unknowns: usize,
+    contacts: usize,
+    /// Steps since the simulation began, restarts included.
+    steps: u64,
+    model_time_s: f64,
+    /// Of this session.
+    wall_s: f64,
+    ms_per_step: f64,
+    phases_ms: BTreeMap<&'static str, f64>,
+    remeshes: u64,
+    /// Largest relative residual of the first solves after factorizations.
+    largest_residual: f64,
+    peak_memory_bytes: Option<u64>,
+    threads: usize,
+    solver: Option<&'static str>,
+    effects: Vec<&'static str>,
+    versions: BTreeMap<&'static str, String>,
+    state_hash: String,
+    stages: Vec<StageOutcome>,
+    #[serde(skip)]
+    folder: PathBuf,
+}
+
+impl Report {
+    /// Sums up a simulation after `steps` steps in this session.
+    pub fn new(
+        simulation: &Simulation,
+        threads: usize,
+        wall: Duration,
+        steps: u64,
+        status: Status,
+        folder: &Path,
+    ) -> Report {
+        let (plan, coupled) = (simulation.plan(), simulation.coupled());
+        let seen = simulation.observe();
+        let flow = coupled.flow();
+        let wall_s = wall.as_secs_f64();
+        Report {
+            title: plan.title.clone(),
+            finished: status.finished,
+            interrupted: status.interrupted,
+            error: status.error,
+            particles: coupled.dem.particles().len(),
+            pores: flow.map_or(0, |f| f.network.pores()),
+            unknowns: flow.map_or(0, |f| f.operators.unknowns()),
+            contacts: seen.contacts,
+            steps: simulation.step(),
+            model_time_s: simulation.time(),
+            wall_s,
+            ms_per_step: 1e3 * wall_s / steps.max(1) as f64,
+            phases_ms: coupled.phases().in_ms().collect(),
+            remeshes: simulation.remeshes(),
+            largest_residual: coupled.largest_residual(),
+            peak_memory_bytes: peak_memory(),
+            threads,
+            solver: plan.fluid.as_ref().map(|f| f.solver.name()),
+            effects: plan.effects_on(),
+            versions: doctor::versions(),
+            state_hash: simulation.state_hash(),
+            stages: simulation.outcomes().to_vec(),
+            folder: folder.to_owned(),
+        }
+    }
+
+    fn consolidation(&self) -> Option<&Consolidation> {
+        self.stages.iter().rev().find_map(|s| match &s.outcome {
+            Outcome::Consolidate(c) => Some(c),
+            _ => None,
+        })
+    }
+}
+
+/// The most memory that this process has held, in bytes.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// A stage's result in a few words.
+pub fn headline(outcome: &Outcome) -> String {
+    match outcome {
+        Outcome::Compact(c) => format!(
+            "σ {}, porosity {}, {} contacts a sphere",
+            si(c.stress_pa, "Pa"),
+            three_digits(c.porosity),
+            three_digits(c.coordination_number)
+        ),
+        Outcome::Cycle(c) => {
+            format!(
+                "E_oed {} loading, {} unloading",
+                si(c.modulus_pa, "Pa"),
+                si(c.unloading_modulus_pa, "Pa")
+            )
+        }
+        Outcome::Permeability(p) => format!(
+            "k_{} = {:.3e} m² (Kozeny-Carman {:.3e} m²)",
+            p.axis, p.permeability_m2, p.kozeny_carman_m2
+        ),
+        Outcome::Consolidate(c) => format!(
+            "settlement {} of {}, U off Terzaghi by {:.3} at most",
+            si(c.samples.last().map_or(0.0, |s| s.settlement_m), "m"),
+            si(c.final_settlement_m, "m"),
+            c.largest_error(0.1, f64::INFINITY)
+        ),
+        Outcome::Run(m) => {
+            let [x, y, z] = m.strain.map(|e| format!("{:.3}", 100.0 * e));
+            format!("strain {x}, {y}, {z} %, unbalanced {:.1e}", m.unbalanced_force)
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", self.title)?;
+        for stage in &self.stages {
+            writeln!(
+                f,
+                "  {:<14} {:>9} steps  {}",
+                stage.name,
+                count(stage.steps),
+                headline(&stage.outcome)
+            )?;
+        }
+        if let Some(c) = self.consolidation() {
+            write!(f, "\n{}", against_terzaghi(c))?;
+        }
+        let phases: Vec<String> = self
+            .phases_ms
+            .iter()
+            .filter(|(_, ms)| **ms > 0.0)
+            .map(|(name, ms)| format!("{} {:.1} s", name.replace('_', " "), ms / 1e3))
+            .collect();
+        let memory = self
+            .peak_memory_bytes
+            .map_or(String::new(), |b| format!(", at most {}", bytes(b as f64)));
+        writeln!(
+            f,
+            "\n  {} steps in {} on {} threads: {:.3} ms a step{memory}\n  {}",
+            count(self.steps),
+            duration(self.wall_s),
+            self.threads,
+            self.ms_per_step,
+            phases.join(", ")
+        )?;
+        if !self.finished {
+            writeln!(
+                f,
+                "  not finished: go on with --restart {}",
+                self.folder.join(super::CHECKPOINT).display()
+            )?;
+        }
+        writeln!(f, "  state {}", self.state_hash)?;
+        self.write_files(f)
+    }
+}
+
+impl Report {
+    fn write_files(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut names: Vec<String> = std::fs::read_dir(&self.folder)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|e| e.file_name().into_string().ok())
+            .filter(|n| !n.ends_with(".vtu"))
+            .collect();
+        names.sort();
+        writeln!(f, "  in {}: {}", self.folder.display(), names.join(", "))
+    }
+}
+
+/// Measured and predicted degree of consolidation at round time factors.
+fn against_terzaghi(c: &Consolidation) -> String {
+    let rows: Vec<Vec<String>> = [0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5]
+        .into_iter()
+        .filter_map(|at| c.samples.iter().find(|s| s.time_factor >= at))
+        .map(|s| {
+            let plain = dempfv::theory::degree_of_consolidation(s.time_factor);
+            let theory = c.theory(s.time_factor);
+            [s.time_factor, s.degree, theory, plain, s.degree - theory]
+                .map(|v| format!("{v:.3}"))
+                .to_vec()
+        })
+        .collect();
+    table(&["T_v", "U measured", "Terzaghi, top drained", "Terzaghi", "difference"], &rows)
+}
