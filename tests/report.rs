@@ -287,7 +287,7 @@ fn axes_show_all_data_and_begin_at_zero_where_data_do() {
     assert!(low < 3.0 && high > 3.0, "one value still has an axis");
     let [low, high] = limits(Axis::linear(""), &[]);
     assert!(low < high);
-    assert_eq!(limits(Axis::linear("").from_to(2.0, 1.0), &[7.0]), [2.0, 1.0]);
+    assert_eq!(limits(Axis::linear("").spanning(2.0, 1.0), &[7.0]), [2.0, 1.0]);
 }
 
 #[test]

@@ -140,7 +140,7 @@ fn m(k: u32) -> f64 {
 }
 
 fn alternating(n: u32) -> f64 {
-    if n % 2 == 0 { 1.0 } else { -1.0 }
+    if n.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Complementary error function for x ≥ 0, to about 1e-15: the Maclaurin

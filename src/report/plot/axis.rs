@@ -33,7 +33,7 @@ impl<'a> Axis<'a> {
     }
 
     /// The same axis from `first` to `last`.
-    pub fn from_to(self, first: f64, last: f64) -> Axis<'a> {
+    pub fn spanning(self, first: f64, last: f64) -> Axis<'a> {
         Axis { range: Some([first, last]), ..self }
     }
 

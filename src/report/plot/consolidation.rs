@@ -56,12 +56,12 @@ pub fn consolidation(c: &Consolidation) -> Picture {
         top: top + legend + 8.0,
         bottom: p.height - MARGIN,
     };
-    let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").from_to(0.0, end);
-    let y = Axis::linear("Degree of consolidation *U*").from_to(0.0, upper(c.degree));
+    let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").spanning(0.0, end);
+    let y = Axis::linear("Degree of consolidation *U*").spanning(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
     let y = Axis::linear("Base pressure / initial excess pressure")
-        .from_to(0.0, upper(c.base_pressure));
+        .spanning(0.0, upper(c.base_pressure));
     let area = room(middle + 8.0, edge, &picture);
     Panel { title: "Pressure at the sealed base", x, y, series: &right }.draw(&mut picture, area);
     picture
@@ -145,8 +145,9 @@ pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Pict
     let measured: Vec<f64> = profiles.iter().flat_map(|p| p.pressure).copied().collect();
     let area = Panel {
         title: "",
-        x: Axis::linear("Excess pressure / initial excess pressure").from_to(0.0, upper(&measured)),
-        y: Axis::linear("Height / height of the layer").from_to(0.0, 1.0),
+        x: Axis::linear("Excess pressure / initial excess pressure")
+            .spanning(0.0, upper(&measured)),
+        y: Axis::linear("Height / height of the layer").spanning(0.0, 1.0),
         series: &series,
     }
     .draw(&mut picture, room);

@@ -60,8 +60,8 @@ pub fn section(s: &Section) -> Picture {
     let (x_label, y_label) = (label(right), label(up));
     let panel = Panel {
         title: "",
-        x: Axis::linear(&x_label).from_to(limits(right)[0], limits(right)[1]),
-        y: Axis::linear(&y_label).from_to(limits(up)[0], limits(up)[1]),
+        x: Axis::linear(&x_label).spanning(limits(right)[0], limits(right)[1]),
+        y: Axis::linear(&y_label).spanning(limits(up)[0], limits(up)[1]),
         series: &[],
     };
     let area = panel.draw_fitted(&mut picture, (MARGIN, top), (w, h));
