@@ -12,7 +12,7 @@ if ! "$venv/bin/python" -c 'import numpy, vtkmodules.vtkIOXML' 2>/dev/null; then
     echo "installing VTK for Python into $venv"
     python3 -m venv --clear "$venv"
     # VTK asks for matplotlib too, which reading does not need.
-    "$venv/bin/pip" install --quiet --disable-pip-version-check 'numpy>=2,<3'
+    "$venv/bin/pip" install --quiet --disable-pip-version-check numpy==2.4.6
     "$venv/bin/pip" install --quiet --disable-pip-version-check --no-deps vtk==9.5.2
 fi
 (cd "$top" && cargo run --quiet --package dempfv --example vtk_sample -- "$sample")

@@ -42,7 +42,8 @@ pub fn degree_of_consolidation(time_factor: f64) -> f64 {
         return 2.0 * (time_factor / PI).sqrt() * (1.0 + 2.0 * reflections);
     }
     // From the smallest term to the largest: no rounding is carried along.
-    let left: f64 = (0..TERMS).rev().map(|k| 2.0 / m(k).powi(2) * (-m(k).powi(2) * time_factor).exp()).sum();
+    let left: f64 =
+        (0..TERMS).rev().map(|k| 2.0 / m(k).powi(2) * (-m(k).powi(2) * time_factor).exp()).sum();
     1.0 - left
 }
 
@@ -71,7 +72,10 @@ pub fn excess_pressure(depth: f64, time_factor: f64) -> f64 {
             .sum();
         return 1.0 - reflections;
     }
-    (0..TERMS).rev().map(|k| 2.0 / m(k) * (m(k) * z).sin() * (-m(k).powi(2) * time_factor).exp()).sum()
+    (0..TERMS)
+        .rev()
+        .map(|k| 2.0 / m(k) * (m(k) * z).sin() * (-m(k).powi(2) * time_factor).exp())
+        .sum()
 }
 
 /// Degree of consolidation of a layer whose top share `drained` (of its
@@ -136,7 +140,7 @@ fn m(k: u32) -> f64 {
 }
 
 fn alternating(n: u32) -> f64 {
-    if n % 2 == 0 { 1.0 } else { -1.0 }
+    if n.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Complementary error function for x ≥ 0, to about 1e-15: the Maclaurin

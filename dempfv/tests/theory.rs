@@ -26,7 +26,8 @@ fn consolidation_matches_the_tables() {
         let parabola = (4.0 * t / std::f64::consts::PI).sqrt();
         assert!((degree_of_consolidation(t) / parabola - 1.0).abs() < 1e-10, "T_v = {t}");
     }
-    let tail = 8.0 / std::f64::consts::PI.powi(2) * (-std::f64::consts::PI.powi(2) / 4.0 * 2.0).exp();
+    let tail =
+        8.0 / std::f64::consts::PI.powi(2) * (-std::f64::consts::PI.powi(2) / 4.0 * 2.0).exp();
     assert!((1.0 - degree_of_consolidation(2.0) - tail).abs() < 1e-15);
     assert_eq!(degree_of_consolidation(0.0), 0.0);
     assert_eq!(degree_of_consolidation(-1.0), 0.0);

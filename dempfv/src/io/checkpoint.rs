@@ -27,8 +27,9 @@ const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
 /// [`Error::Io`] when the file cannot be written; nothing partial remains and
 /// an older checkpoint of that name stands.
 pub fn save<T: Serialize>(path: &Path, state: &T) -> Result<()> {
-    let body = postcard::to_stdvec(state)
-        .map_err(|e| Error::io(path, io::Error::other(format!("the state cannot be stored: {e}"))))?;
+    let body = postcard::to_stdvec(state).map_err(|e| {
+        Error::io(path, io::Error::other(format!("the state cannot be stored: {e}")))
+    })?;
     let mut head = Vec::with_capacity(64);
     head.extend_from_slice(MAGIC);
     head.extend_from_slice(&FORMAT.to_le_bytes());

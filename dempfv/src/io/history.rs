@@ -102,8 +102,8 @@ impl History {
         };
         let mut text = Vec::new();
         file.read_to_end(&mut text).map_err(|e| Error::io(path, e))?;
-        let keep = length_up_to(&text, columns, step_column, last_step)
-            .map_err(|e| e.in_file(path))?;
+        let keep =
+            length_up_to(&text, columns, step_column, last_step).map_err(|e| e.in_file(path))?;
         file.set_len(keep as u64)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .map_err(|e| Error::io(path, e))?;
@@ -193,9 +193,10 @@ fn length_up_to(
         )
         .at_line(1));
     }
-    let column = columns.iter().position(|&c| c == step_column).ok_or_else(|| {
-        InputError::new(format!("the table has no column `{step_column}`"), "")
-    })?;
+    let column = columns
+        .iter()
+        .position(|&c| c == step_column)
+        .ok_or_else(|| InputError::new(format!("the table has no column `{step_column}`"), ""))?;
     let mut keep = head.len();
     for (i, line) in text[keep..].split_inclusive(|&b| b == b'\n').enumerate() {
         if !line.ends_with(b"\n") {

@@ -3,6 +3,7 @@
 /// How values become lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
+    /// Equal differences of equal length.
     Linear,
     /// Decades of equal length; values that are not positive are not shown.
     Log,
@@ -14,6 +15,7 @@ pub struct Axis<'a> {
     /// Quantity and unit, as in `Axial strain (%)`, in the markup of
     /// [`super::text::Layout`].
     pub label: &'a str,
+    /// How values become lengths.
     pub scale: Scale,
     /// First and last value; from the data if `None`.
     pub range: Option<[f64; 2]>,
@@ -31,7 +33,7 @@ impl<'a> Axis<'a> {
     }
 
     /// The same axis from `first` to `last`.
-    pub fn from_to(self, first: f64, last: f64) -> Axis<'a> {
+    pub fn spanning(self, first: f64, last: f64) -> Axis<'a> {
         Axis { range: Some([first, last]), ..self }
     }
 
@@ -41,9 +43,8 @@ impl<'a> Axis<'a> {
             return range;
         }
         let shown = values.filter(|v| v.is_finite() && (self.scale == Scale::Linear || *v > 0.0));
-        let [low, high] = shown.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-            [low.min(v), high.max(v)]
-        });
+        let [low, high] = shown
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
         match self.scale {
             _ if low > high => [self.scale.floor(), 1.0],
             Scale::Linear => widen(low, high),
@@ -150,7 +151,10 @@ fn log(low: f64, high: f64, count: usize) -> Ticks {
     let last = high.log10().ceil() as i32;
     let decades = |mantissas: &[f64], every: usize| -> Vec<f64> {
         let powers = (first..=last).filter(|k| k.rem_euclid(every as i32) == 0);
-        powers.flat_map(|k| mantissas.iter().map(move |m| m * 10_f64.powi(k))).filter(inside).collect()
+        powers
+            .flat_map(|k| mantissas.iter().map(move |m| m * 10_f64.powi(k)))
+            .filter(inside)
+            .collect()
     };
     let every = ((last - first) as usize).div_ceil(count.max(1)).max(1);
     let mut at = decades(&[1.0], every);

@@ -4,6 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Color(pub u8, pub u8, pub u8);
 
+/// The paper.
 pub const WHITE: Color = Color(255, 255, 255);
 /// Text and axes.
 pub const INK: Color = Color(38, 38, 38);
@@ -11,6 +12,7 @@ pub const INK: Color = Color(38, 38, 38);
 pub const MUTED: Color = Color(105, 105, 105);
 /// Grid lines.
 pub const GRID: Color = Color(226, 226, 226);
+/// Theory.
 pub const BLACK: Color = Color(0, 0, 0);
 
 /// For series without an order (Okabe and Ito's palette, the darker ones
@@ -48,6 +50,7 @@ pub fn viridis(share: f64) -> Color {
 }
 
 fn mix(a: Color, b: Color, share: f64) -> Color {
-    let channel = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    let channel =
+        |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
     Color(channel(a.0, b.0), channel(a.1, b.1), channel(a.2, b.2))
 }

@@ -44,18 +44,24 @@ pub fn consolidation(c: &Consolidation) -> Picture {
     let settled_plain = curve(&theory::degree_of_consolidation);
     let base = curve(&|t| theory::excess_pressure(1.0, t / (wet * wet)));
     let base_plain = curve(&|t| theory::excess_pressure(1.0, t));
-    let left = three(c.time_factor, c.degree, &t, &settled_plain, &settled, c.drained_share);
-    let right = three(c.time_factor, c.base_pressure, &t, &base_plain, &base, c.drained_share);
+    let left = compared(c.time_factor, c.degree, &t, &settled_plain, &settled, c.drained_share);
+    let right = compared(c.time_factor, c.base_pressure, &t, &base_plain, &base, c.drained_share);
 
     let edge = picture.width - MARGIN;
     let legend = panel::legend(&mut picture, &left, MARGIN, edge, top);
     let middle = 0.5 * picture.width;
-    let room = |left, right, p: &Picture| Rect { left, right, top: top + legend + 8.0, bottom: p.height - MARGIN };
-    let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").from_to(0.0, end);
-    let y = Axis::linear("Degree of consolidation *U*").from_to(0.0, upper(c.degree));
+    let room = |left, right, p: &Picture| Rect {
+        left,
+        right,
+        top: top + legend + 8.0,
+        bottom: p.height - MARGIN,
+    };
+    let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").spanning(0.0, end);
+    let y = Axis::linear("Degree of consolidation *U*").spanning(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
-    let y = Axis::linear("Base pressure / initial excess pressure").from_to(0.0, upper(c.base_pressure));
+    let y = Axis::linear("Base pressure / initial excess pressure")
+        .spanning(0.0, upper(c.base_pressure));
     let area = room(middle + 8.0, edge, &picture);
     Panel { title: "Pressure at the sealed base", x, y, series: &right }.draw(&mut picture, area);
     picture
@@ -67,21 +73,26 @@ fn upper(values: &[f64]) -> f64 {
     0.04 + values.iter().copied().filter(|v| v.is_finite()).fold(1.0, f64::max).min(2.0)
 }
 
-/// The measured series above the theory with and without the drained top.
-fn three<'a>(
+/// The measured series above the theory, plain and, where there is one, with
+/// the drained top.
+fn compared<'a>(
     x: &'a [f64],
     measured: &'a [f64],
     t: &'a [f64],
     plain: &'a [f64],
     drained: &'a [f64],
     share: f64,
-) -> [Series<'a>; 3] {
+) -> Vec<Series<'a>> {
+    let series = |name: String, x, y, color, mark| Series { name: Some(name), x, y, color, mark };
+    let simulated = series("simulated".into(), x, measured, SERIES[0], MEASURED);
+    if share <= 0.0 {
+        return vec![series("theory".into(), t, plain, BLACK, THEORY), simulated];
+    }
     let top = format!("theory, top {:.1} % drained from the start", 100.0 * share);
-    let series = |name: &str, x, y, color, mark| Series { name: Some(name.to_owned()), x, y, color, mark };
-    [
-        series("theory, plain", t, plain, BLACK, THEORY_PLAIN),
-        series(&top, t, drained, BLACK, THEORY),
-        series("simulated", x, measured, SERIES[0], MEASURED),
+    vec![
+        series("theory, plain".into(), t, plain, BLACK, THEORY_PLAIN),
+        series(top, t, drained, BLACK, THEORY),
+        simulated,
     ]
 }
 
@@ -106,22 +117,37 @@ pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Pict
     let height: Vec<f64> = (0..=200).map(|i| wet * f64::from(i) / 200.0).collect();
     let theory: Vec<Vec<f64>> = profiles
         .iter()
-        .map(|p| height.iter().map(|h| theory::excess_pressure(1.0 - h / wet, p.time_factor / (wet * wet))).collect())
+        .map(|p| {
+            height
+                .iter()
+                .map(|h| theory::excess_pressure(1.0 - h / wet, p.time_factor / (wet * wet)))
+                .collect()
+        })
         .collect();
     let color = |i: usize| viridis(0.87 * i as f64 / (profiles.len().max(2) - 1) as f64);
     let mut series: Vec<Series> = (theory.iter().enumerate())
         .map(|(i, p)| Series { name: None, x: p, y: &height, color: color(i), mark: THEORY })
         .collect();
     let dots = Mark::Dots { radius: 3.2, apart: 0.0 };
-    series.extend((profiles.iter().enumerate()).map(|(i, p)| {
-        Series { name: None, x: p.pressure, y: p.height, color: color(i), mark: dots }
+    series.extend((profiles.iter().enumerate()).map(|(i, p)| Series {
+        name: None,
+        x: p.pressure,
+        y: p.height,
+        color: color(i),
+        mark: dots,
     }));
-    let room = Rect { left: MARGIN, top: top + 8.0, right: picture.width - 130.0, bottom: picture.height - MARGIN };
+    let room = Rect {
+        left: MARGIN,
+        top: top + 8.0,
+        right: picture.width - 130.0,
+        bottom: picture.height - MARGIN,
+    };
     let measured: Vec<f64> = profiles.iter().flat_map(|p| p.pressure).copied().collect();
     let area = Panel {
         title: "",
-        x: Axis::linear("Excess pressure / initial excess pressure").from_to(0.0, upper(&measured)),
-        y: Axis::linear("Height / height of the layer").from_to(0.0, 1.0),
+        x: Axis::linear("Excess pressure / initial excess pressure")
+            .spanning(0.0, upper(&measured)),
+        y: Axis::linear("Height / height of the layer").spanning(0.0, 1.0),
         series: &series,
     }
     .draw(&mut picture, room);
@@ -131,7 +157,12 @@ pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Pict
 }
 
 /// A column beside the axes: what lines and dots are, then the times.
-fn profile_legend(picture: &mut Picture, profiles: &[Profile], colors: &[Color], (x, mut y): (f64, f64)) {
+fn profile_legend(
+    picture: &mut Picture,
+    profiles: &[Profile],
+    colors: &[Color],
+    (x, mut y): (f64, f64),
+) {
     let style = label_style(10.5, Anchor::Start);
     let mut entry = |y: f64, mark: Mark, color: Color, name: &str| {
         let series = Series { name: None, x: &[], y: &[], color, mark };
@@ -142,7 +173,11 @@ fn profile_legend(picture: &mut Picture, profiles: &[Profile], colors: &[Color],
     entry(y, dots, Color(90, 90, 90), "simulated");
     entry(y + 18.0, THEORY, Color(90, 90, 90), "theory");
     y += 52.0;
-    picture.text((x, y), "Time factor *T*_{v}", super::picture::Type { face: Face::SemiBold, ..style });
+    picture.text(
+        (x, y),
+        "Time factor *T*_{v}",
+        super::picture::Type { face: Face::SemiBold, ..style },
+    );
     for (profile, &color) in profiles.iter().zip(colors) {
         y += 18.0;
         let series = Series { name: None, x: &[], y: &[], color, mark: THEORY };

@@ -33,8 +33,9 @@ impl Picture {
     pub fn save(&self, folder: &Path, name: &str) -> dempfv::Result<()> {
         atomic::write(&folder.join(format!("{name}.svg")), svg::render(self).as_bytes())?;
         let path = folder.join(format!("{name}.png"));
-        let bytes = png::render(self)
-            .ok_or_else(|| dempfv::Error::io(&path, std::io::Error::other("the picture is too large")))?;
+        let bytes = png::render(self).ok_or_else(|| {
+            dempfv::Error::io(&path, std::io::Error::other("the picture is too large"))
+        })?;
         atomic::write(&path, &bytes)
     }
 }

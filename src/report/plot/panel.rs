@@ -17,6 +17,7 @@ const TICK_ROOM: (f64, f64) = (62.0, 42.0);
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mark {
+    /// A line of a width, with lengths of dash and gap if it is not solid.
     Line { width: f64, dash: Option<[f64; 2]> },
     /// Discs of a radius, each at least `apart` from the one before (0: every
     /// point).
@@ -28,20 +29,29 @@ pub enum Mark {
 pub struct Series<'a> {
     /// Name in the legend (markup); without a name it is in none.
     pub name: Option<String>,
+    /// Values along the horizontal axis, in its unit.
     pub x: &'a [f64],
+    /// Values along the vertical axis, one for each of `x`.
     pub y: &'a [f64],
+    /// Colour of line or dots.
     pub color: Color,
+    /// Line or dots.
     pub mark: Mark,
 }
 
 /// Axes, series, and a title above them.
 pub struct Panel<'a> {
+    /// Above the axes; may be empty.
     pub title: &'a str,
+    /// The horizontal axis.
     pub x: Axis<'a>,
+    /// The vertical axis.
     pub y: Axis<'a>,
+    /// What is shown, first below.
     pub series: &'a [Series<'a>],
 }
 
+/// Plain text of a size.
 pub fn label_style(size: f64, anchor: Anchor) -> Type {
     Type { face: Face::Regular, size, color: INK, anchor, upward: false }
 }
@@ -121,7 +131,14 @@ impl<'a> Panel<'a> {
         }
     }
 
-    fn draw_in(&self, picture: &mut Picture, area: Rect, margins: &Margins, mut x: Placed, mut y: Placed) {
+    fn draw_in(
+        &self,
+        picture: &mut Picture,
+        area: Rect,
+        margins: &Margins,
+        mut x: Placed,
+        mut y: Placed,
+    ) {
         x.ends = [area.left, area.right];
         y.ends = [area.bottom, area.top];
         draw_grid(picture, area, &x, &y);
@@ -136,7 +153,11 @@ impl<'a> Panel<'a> {
     fn draw_labels(&self, picture: &mut Picture, area: Rect, margins: &Margins) {
         let middle = (0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom));
         let style = label_style(LABEL_SIZE, Anchor::Middle);
-        picture.text((middle.0, area.bottom + margins.bottom - 0.4 * LABEL_SIZE), self.x.label, style);
+        picture.text(
+            (middle.0, area.bottom + margins.bottom - 0.4 * LABEL_SIZE),
+            self.x.label,
+            style,
+        );
         let upward = Type { upward: true, ..style };
         picture.text((area.left - margins.left + LABEL_SIZE, middle.1), self.y.label, upward);
         let title = Type { face: Face::SemiBold, anchor: Anchor::Start, size: TITLE_SIZE, ..style };
@@ -188,7 +209,12 @@ fn draw_frame(picture: &mut Picture, area: Rect, x: &Placed, y: &Placed) {
     }
 }
 
-fn draw_series(picture: &mut Picture, series: &Series, area: Rect, points: impl Iterator<Item = Point>) {
+fn draw_series(
+    picture: &mut Picture,
+    series: &Series,
+    area: Rect,
+    points: impl Iterator<Item = Point>,
+) {
     // A line along an edge keeps its width, a dot there stays whole.
     let near = Rect {
         left: area.left - 1.0,

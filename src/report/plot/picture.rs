@@ -10,21 +10,28 @@ pub type Point = (f64, f64);
 /// An upright rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
+    /// Smallest x.
     pub left: f64,
+    /// Smallest y (y points down).
     pub top: f64,
+    /// Largest x.
     pub right: f64,
+    /// Largest y.
     pub bottom: f64,
 }
 
 impl Rect {
+    /// Extent in x.
     pub fn width(&self) -> f64 {
         self.right - self.left
     }
 
+    /// Extent in y.
     pub fn height(&self) -> f64 {
         self.bottom - self.top
     }
 
+    /// True for a point inside or on the rim.
     pub fn contains(&self, (x, y): Point) -> bool {
         (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
     }
@@ -33,10 +40,13 @@ impl Rect {
 /// A step of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment {
+    /// Begins a piece.
     Move(Point),
+    /// A straight line to a point.
     Line(Point),
     /// A cubic curve: two controls, then the end.
     Curve(Point, Point, Point),
+    /// A straight line to where the piece began.
     Close,
 }
 
@@ -52,12 +62,14 @@ impl Path {
         Path(first.into_iter().chain(points.map(Segment::Line)).collect())
     }
 
+    /// A chain of straight lines back to its first point.
     pub fn polygon(points: impl IntoIterator<Item = Point>) -> Path {
         let mut path = Path::polyline(points);
         path.0.push(Segment::Close);
         path
     }
 
+    /// The rim of a rectangle.
     pub fn rect(r: Rect) -> Path {
         Path::polygon([(r.left, r.top), (r.right, r.top), (r.right, r.bottom), (r.left, r.bottom)])
     }
@@ -90,13 +102,16 @@ impl Path {
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
+    /// Its colour.
     pub color: Color,
+    /// Its width, half to each side of the path.
     pub width: f64,
     /// Lengths of a dash and of the gap after it.
     pub dash: Option<[f64; 2]>,
 }
 
 impl Stroke {
+    /// A line without gaps.
     pub fn solid(color: Color, width: f64) -> Stroke {
         Stroke { color, width, dash: None }
     }
@@ -105,9 +120,13 @@ impl Stroke {
 /// One path and what to do with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
+    /// What is drawn.
     pub path: Path,
+    /// Colour inside, if any.
     pub fill: Option<Color>,
+    /// Line along the path, if any.
     pub stroke: Option<Stroke>,
+    /// Nothing shows outside this area.
     pub clip: Option<Rect>,
     /// The text that the path shows, for readers that cannot see it.
     pub text: Option<String>,
@@ -116,32 +135,43 @@ pub struct Item {
 /// Which point of a text is at the given place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
+    /// Where the text begins.
     Start,
+    /// Half its width.
     Middle,
+    /// Where the text ends.
     End,
 }
 
 /// How a text is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Type {
+    /// The font.
     pub face: Face,
+    /// Size of the font in points.
     pub size: f64,
+    /// Colour of the letters.
     pub color: Color,
+    /// What of the text is at the place.
     pub anchor: Anchor,
     /// Read from bottom to top.
     pub upward: bool,
 }
 
-/// What has been drawn so far, first below.
+/// A sheet and what has been drawn on it so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
+    /// Extent in x, in points.
     pub width: f64,
+    /// Extent in y, in points.
     pub height: f64,
+    /// What is drawn, first below.
     pub items: Vec<Item>,
     clip: Option<Rect>,
 }
 
 impl Picture {
+    /// An empty sheet.
     pub fn new(width: f64, height: f64) -> Picture {
         Picture { width, height, items: Vec::new(), clip: None }
     }
@@ -153,10 +183,12 @@ impl Picture {
         self.clip = outer;
     }
 
+    /// Draws a path, filled or stroked or both.
     pub fn shape(&mut self, path: Path, fill: Option<Color>, stroke: Option<Stroke>) {
         self.items.push(Item { path, fill, stroke, clip: self.clip, text: None });
     }
 
+    /// Draws a straight line.
     pub fn line(&mut self, from: Point, to: Point, stroke: Stroke) {
         self.shape(Path::polyline([from, to]), None, Some(stroke));
     }
@@ -175,7 +207,13 @@ impl Picture {
             (at.0 + x, at.1 + y)
         });
         let text = Some(layout.plain);
-        self.items.push(Item { path, fill: Some(style.color), stroke: None, clip: self.clip, text });
+        self.items.push(Item {
+            path,
+            fill: Some(style.color),
+            stroke: None,
+            clip: self.clip,
+            text,
+        });
         layout.width
     }
 }

@@ -57,9 +57,9 @@ fn outline(path: &Path) -> Option<tiny_skia::Path> {
         match *segment {
             Segment::Move((x, y)) => out.move_to(x as f32, y as f32),
             Segment::Line((x, y)) => out.line_to(x as f32, y as f32),
-            Segment::Curve(a, b, p) => out.cubic_to(
-                a.0 as f32, a.1 as f32, b.0 as f32, b.1 as f32, p.0 as f32, p.1 as f32,
-            ),
+            Segment::Curve(a, b, p) => {
+                out.cubic_to(a.0 as f32, a.1 as f32, b.0 as f32, b.1 as f32, p.0 as f32, p.1 as f32)
+            }
             Segment::Close => out.close(),
         }
     }

@@ -13,7 +13,9 @@ use super::text::{self, CAP_HEIGHT, Face};
 /// What is cut, and where.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
+    /// Above the picture.
     pub title: &'a str,
+    /// Under the title; lines.
     pub caption: &'a str,
     /// The box (m).
     pub bounds: Aabb,
@@ -21,15 +23,19 @@ pub struct Section<'a> {
     pub axis: usize,
     /// Where the plane cuts that axis (m).
     pub position: f64,
-    /// Centres and radii of the spheres (m).
+    /// Centres of the spheres (m).
     pub centers: &'a [Vec3],
+    /// Radii of the spheres (m).
     pub radii: &'a [f64],
-    /// Vertices of the pores (m), the pores, and the value of each.
+    /// Vertices of the pores (m).
     pub points: &'a [Vec3],
+    /// The pores, convex.
     pub cells: &'a Cells,
+    /// What colours each pore.
     pub values: &'a [f64],
-    /// Name and unit of the value; the unit gets a prefix.
+    /// Name of the value.
     pub quantity: &'a str,
+    /// SI unit of the value; the picture chooses a prefix.
     pub unit: &'a str,
 }
 
@@ -38,10 +44,8 @@ const RIM: Color = Color(120, 120, 120);
 const SIDE: f64 = 430.0;
 const BAR_WIDTH: f64 = 16.0;
 
-/// Draws the section; the second axis after the normal one points up, or z
-/// where it is in the plane.
+/// Draws the section: y up over x, z up over x, or z up over y.
 pub fn section(s: &Section) -> Picture {
-    // x to the right and y up, x right and z up, y right and z up.
     let [right, up] = [[1, 2], [0, 2], [0, 1]][s.axis.min(2)];
     let names = ["*x*", "*y*", "*z*"];
     let (prefix, unit) = axis::prefix(s.bounds.min.abs().max().max(s.bounds.max.abs().max()));
@@ -56,8 +60,8 @@ pub fn section(s: &Section) -> Picture {
     let (x_label, y_label) = (label(right), label(up));
     let panel = Panel {
         title: "",
-        x: Axis::linear(&x_label).from_to(limits(right)[0], limits(right)[1]),
-        y: Axis::linear(&y_label).from_to(limits(up)[0], limits(up)[1]),
+        x: Axis::linear(&x_label).spanning(limits(right)[0], limits(right)[1]),
+        y: Axis::linear(&y_label).spanning(limits(up)[0], limits(up)[1]),
         series: &[],
     };
     let area = panel.draw_fitted(&mut picture, (MARGIN, top), (w, h));
@@ -72,8 +76,8 @@ pub fn section(s: &Section) -> Picture {
         draw_spheres(picture, s, scale, place);
     });
     picture.shape(Path::rect(area), None, Some(Stroke::solid(INK, 0.8)));
-    picture.width = draw_bar(&mut picture, s, area, range) + MARGIN;
-    picture.height = area.bottom + 52.0;
+    picture.width = (draw_bar(&mut picture, s, area, range) + MARGIN).ceil();
+    picture.height = (area.bottom + 52.0).ceil();
     picture
 }
 
@@ -103,7 +107,7 @@ pub fn plane_points(corners: &[Vec3], axis: usize, position: f64) -> Vec<Vec3> {
     points
 }
 
-/// The convex hull, in order around it (Andrew's monotone chain).
+/// The convex hull of points in a plane, in order around it (Andrew's monotone chain).
 pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     points.dedup();

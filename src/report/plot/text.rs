@@ -12,10 +12,14 @@ const REGULAR: &[u8] = include_bytes!("fonts/Inter-Regular.otf");
 const ITALIC: &[u8] = include_bytes!("fonts/Inter-Italic.otf");
 const SEMI_BOLD: &[u8] = include_bytes!("fonts/Inter-SemiBold.otf");
 
+/// One of the fonts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Face {
+    /// For text.
     Regular,
+    /// For symbols.
     Italic,
+    /// For titles.
     SemiBold,
 }
 
@@ -35,7 +39,9 @@ impl Face {
 /// the fonts lack shows as a question mark.
 #[derive(Clone, Debug)]
 pub struct Layout {
+    /// The letters, first letter at the origin, y down.
     pub outline: Path,
+    /// Advance to where more text would go on.
     pub width: f64,
     /// The text without its markup.
     pub plain: String,
@@ -48,6 +54,7 @@ const LOWER: f64 = 0.22;
 const RAISE: f64 = 0.38;
 
 impl Layout {
+    /// Lays out a line of markup.
     pub fn new(markup: &str, face: Face, size: f64) -> Layout {
         let mut layout = Layout { outline: Path::default(), width: 0.0, plain: String::new() };
         for run in runs(markup) {
@@ -68,12 +75,17 @@ impl Layout {
         let scale = size / f64::from(font.units_per_em());
         let mut previous = None;
         for c in text.chars() {
-            let Some(glyph) = font.glyph_index(c).or_else(|| font.glyph_index('?')) else { continue };
+            let Some(glyph) = font.glyph_index(c).or_else(|| font.glyph_index('?')) else {
+                continue;
+            };
             if let Some(previous) = previous {
                 self.width += scale * f64::from(kerning(&font, previous, glyph));
             }
             let origin = (self.width, -rise);
-            font.outline_glyph(glyph, &mut Outliner { path: &mut self.outline, origin, scale, at: origin });
+            font.outline_glyph(
+                glyph,
+                &mut Outliner { path: &mut self.outline, origin, scale, at: origin },
+            );
             self.width += scale * f64::from(font.glyph_hor_advance(glyph).unwrap_or(0));
             previous = Some(glyph);
         }

@@ -48,7 +48,8 @@ impl Collection {
             let attribute = |name: &str| line.split_once(name)?.1.split_once('"').map(|(v, _)| v);
             let time = attribute("timestep=\"").and_then(|t| t.parse::<f64>().ok());
             let (Some(time), Some(file)) = (time, attribute("file=\"")) else {
-                let error = InputError::new("no frame of this program", "restart into another folder");
+                let error =
+                    InputError::new("no frame of this program", "restart into another folder");
                 return Err(error.in_file(path).at_line(i + 1).into());
             };
             if time <= last_time {

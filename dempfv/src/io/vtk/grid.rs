@@ -74,9 +74,8 @@ impl Array<'_> {
 
 impl Grid<'_> {
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.check().map_err(|what| {
-            Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, what))
-        })?;
+        self.check()
+            .map_err(|what| Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, what)))?;
         atomic::write_with(path, |out| self.write_to(out))
     }
 
@@ -88,7 +87,11 @@ impl Grid<'_> {
         ];
         for (columns, expected, of) in groups {
             if let Some(c) = columns.iter().find(|c| c.array.len() != expected) {
-                return Err(format!("{} has {} values, not {expected} ({of})", c.name, c.array.len()));
+                return Err(format!(
+                    "{} has {} values, not {expected} ({of})",
+                    c.name,
+                    c.array.len()
+                ));
             }
         }
         match self.cells.connectivity.iter().find(|&&v| v as usize >= self.points.len()) {

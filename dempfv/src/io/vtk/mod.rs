@@ -168,7 +168,9 @@ impl Cells {
         for (&end, &kind) in self.offsets.iter().zip(&self.types) {
             let cell = &mut self.connectivity[start..end as usize];
             start = end as usize;
-            if cell.iter().all(|&v| (v as usize) < points.len()) && orientation(kind, cell, points) < 0.0 {
+            if cell.iter().all(|&v| (v as usize) < points.len())
+                && orientation(kind, cell, points) < 0.0
+            {
                 mirror(kind, cell);
             }
         }
