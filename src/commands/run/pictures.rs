@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use dempfv::Result;
+use dempfv::io::atomic;
+use dempfv::theory::degree_of_consolidation;
 use dempfv::coupling::{
     Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
 };
@@ -26,6 +28,7 @@ fn consolidation(
     stage: &StageOutcome,
     c: &Consolidation,
 ) -> Result<()> {
+    write_table(folder, &name("consolidation", simulation, stage), c)?;
     let caption = caption(simulation, c);
     let series =
         |pick: fn(&ConsolidationSample) -> f64| c.samples.iter().map(pick).collect::<Vec<f64>>();
@@ -56,6 +59,18 @@ fn consolidation(
         .collect();
     plot::profiles(&profiles, c.drained_share, &caption)
         .save(folder, &name("profiles", simulation, stage))
+}
+
+/// The course of a consolidation and the theory beside it, as a table.
+fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
+    let mut text = "time_factor,settlement_m,degree,terzaghi_top_drained,terzaghi,base_pressure\n".to_owned();
+    for s in &c.samples {
+        let (drained, plain) = (c.theory(s.time_factor), degree_of_consolidation(s.time_factor));
+        let row = [s.time_factor, s.settlement_m, s.degree, drained, plain, s.base_pressure];
+        text.push_str(&row.map(|v| v.to_string()).join(","));
+        text.push('\n');
+    }
+    atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())
 }
 
 /// Stress by strain where the strain ends the stage, else stress and pore

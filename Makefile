@@ -1,0 +1,55 @@
+# The commands of the project; `make help` lists them.
+# On Debian, what is missing is installed (by sudo where that is needed).
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+export PATH := $(HOME)/.cargo/bin:$(PATH)
+
+# CHOLMOD, METIS and BLAS; CGAL; what cargo needs to bind and link them.
+PACKAGES := libsuitesparse-dev libmetis-dev libopenblas-dev libcgal-dev libclang-dev g++ pkg-config
+# What reads the VTK files back in the tests.
+TEST_PACKAGES := python3-venv
+
+DEMO := out/oedometer
+DEMPFV := target/release/dempfv
+
+.PHONY: help build demo test lint vtk-test demo-test package-test bench install-packages install-test-packages
+
+help: ## List these commands
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
+
+build: install-packages ## Build the program: target/release/dempfv
+	cargo build --release --locked
+
+demo: build ## Consolidate a saturated packing and compare it with Terzaghi (minutes)
+	$(DEMPFV) run scenes/oedometer.toml --out $(DEMO) --force
+	@echo "Pictures:     $(DEMO)/consolidation.png, profiles.png, section.png (and .svg)"
+	@echo "Table:        $(DEMO)/consolidation.csv"
+	@echo "For ParaView: $(DEMO)/pores.pvd, spheres.pvd"
+
+test: install-packages install-test-packages lint ## Run every test that needs no GPU and no YADE
+	cargo test --workspace --locked
+	tests/vtk_read_back.sh
+
+lint:
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+# What `make demo` promises: the curve against Terzaghi, and files that VTK reads.
+demo-test: demo install-test-packages
+	python3 tests/check_demo.py $(DEMO)/summary.json
+	tests/vtk_read_back.sh $(DEMO)
+
+# The crates are ready to publish: they build from their own packages.
+package-test: install-packages
+	cargo package --workspace --locked --allow-dirty
+
+bench: install-packages ## Time a step, a network, a solve, by criterion
+	cargo bench --workspace --locked
+
+install-packages:
+	@tests/install.sh $(PACKAGES)
+
+install-test-packages:
+	@tests/install.sh $(TEST_PACKAGES)
