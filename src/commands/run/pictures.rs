@@ -17,7 +17,10 @@ use crate::report::plot::{self, Section};
 pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) -> Result<()> {
     match &stage.outcome {
         Outcome::Consolidate(c) => consolidation(folder, simulation, stage, c),
-        Outcome::Run(m) => motion(folder, simulation, stage, m),
+        Outcome::Run(m) => {
+            section(folder, simulation, &format!("at the end of {}", stage.name))?;
+            motion(folder, simulation, stage, m)
+        }
         Outcome::Compact(_) | Outcome::Cycle(_) | Outcome::Permeability(_) => Ok(()),
     }
 }
@@ -77,6 +80,7 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
 /// pressure by time.
 fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Motion) -> Result<()> {
     let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
+    let wet = simulation.coupled().flow().is_some();
     let axis = match until {
         Some(StageKind::Run(run)) => match run.until {
             Until::Strain { axis, .. } => Some(axis),
@@ -95,12 +99,12 @@ fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Moti
     let mut curves: Vec<(String, Vec<f64>)> = (0..3)
         .map(|k| {
             (
-                format!("*σ*_{}", ["x", "y", "z"][k]),
+                format!("*σ*_{{{}}}", ["x", "y", "z"][k]),
                 m.samples.iter().map(|s| s.stress_pa[k] / unit).collect(),
             )
         })
         .collect();
-    if simulation.coupled().flow().is_some() {
+    if wet {
         curves.push((
             "mean pore pressure".to_owned(),
             m.samples.iter().map(|s| s.mean_pressure_pa / unit).collect(),
@@ -118,10 +122,11 @@ fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Moti
         })
         .collect();
     let y_label = format!("Stress on the walls ({prefix}Pa)");
+    let caption = if wet { "Compression positive; contacts and fluid together." } else { "Compression positive." };
     let title = format!("{}: {}", simulation.plan().title, stage.name);
     plot::xy(
         &title,
-        "Compression positive; contacts and fluid together.",
+        caption,
         plot::Axis::linear(&x_label),
         plot::Axis::linear(&y_label),
         &series,

@@ -138,8 +138,8 @@ pub fn headline(outcome: &Outcome) -> String {
             c.largest_error(0.1, f64::INFINITY)
         ),
         Outcome::Run(m) => {
-            let [x, y, z] = m.strain.map(|e| format!("{:.3}", 100.0 * e));
-            format!("strain {x}, {y}, {z} %, unbalanced {:.1e}", m.unbalanced_force)
+            let [x, y, z] = m.strain.map(three_digits);
+            format!("strain {x}, {y}, {z}, unbalanced {:.1e}", m.unbalanced_force)
         }
     }
 }
