@@ -40,9 +40,7 @@ fn angular_momentum(dem: &Dem) -> (Vec3, f64) {
         let inertia = 0.4 * p.mass[i] * p.radius[i].powi(2);
         (p.mass[i] * p.position[i].cross(&p.velocity[i]), inertia * p.spin[i])
     });
-    each.fold((Vec3::zeros(), 0.0), |(sum, size), (a, b)| {
-        (sum + a + b, size + a.norm() + b.norm())
-    })
+    each.fold((Vec3::zeros(), 0.0), |(sum, size), (a, b)| (sum + a + b, size + a.norm() + b.norm()))
 }
 
 /// Actions and reactions cancel for any forces, friction included; with the
@@ -82,7 +80,8 @@ fn energy(dem: &Dem, dt: f64) -> f64 {
 fn collision_error(dt: f64) -> f64 {
     let (mut position, mut velocity) = (Vec::new(), Vec::new());
     for k in 0..1000 {
-        let at = Vec3::from([k / 100, k / 10 % 10, k % 10].map(f64::from)) * 1.5 - Vec3::repeat(7.0);
+        let at =
+            Vec3::from([k / 100, k / 10 % 10, k % 10].map(f64::from)) * 1.5 - Vec3::repeat(7.0);
         let k = f64::from(k);
         let offset = Vec3::new(0.12 + 1e-5 * k, 0.1 * (0.7 * k).sin(), 0.1 * (0.9 * k).cos());
         position.extend([at - offset, at + offset]);
@@ -143,7 +142,6 @@ fn spin_has_energy() {
     let mut p = cloud(1, 1);
     p.spin[0] = Vec3::new(0.0, 3.0, 4.0);
     let expected = 0.2 * p.mass[0] * p.radius[0].powi(2) * 25.0;
-    let dem =
-        Dem::new(p, SPACE, material(), frictionless_walls(), DemOptions::default()).unwrap();
+    let dem = Dem::new(p, SPACE, material(), frictionless_walls(), DemOptions::default()).unwrap();
     assert!((dem.kinetic_energy() / expected - 1.0).abs() < 1e-14);
 }

@@ -129,8 +129,7 @@ fn sliding_turns_into_rolling() {
     p.position[0].y -= overlap;
     p.velocity[0].x = v0;
     let walls = WallMaterial { young, friction_angle: 0.3 };
-    let options =
-        DemOptions { gravity: Some(Vec3::new(0.0, -g, 0.0)), ..DemOptions::default() };
+    let options = DemOptions { gravity: Some(Vec3::new(0.0, -g, 0.0)), ..DemOptions::default() };
     let dt = 0.1 * (p.mass[0] / k).sqrt();
     let mut dem = Dem::new(p, BOX, stiff, walls, options).unwrap();
     // Sliding lasts 2 v₀ / (7 μ g) = 0.092 s.

@@ -4,9 +4,7 @@
 mod dem_support;
 
 use dem_support::{bits, frictionless_walls, material, twin};
-use dempfv::dem::{
-    Dem, DemOptions, GrowthCompaction, GrowthOptions, WallControl, WallMaterial,
-};
+use dempfv::dem::{Dem, DemOptions, GrowthCompaction, GrowthOptions, WallControl, WallMaterial};
 use dempfv::{Vec3, WallId};
 
 const SKIN: f64 = 0.2;

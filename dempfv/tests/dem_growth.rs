@@ -4,8 +4,8 @@ mod dem_support;
 
 use dem_support::{UNIT, settled, twin};
 use dempfv::dem::{
-    CloudScale, CloudSpec, DemError, DemOptions, GrowthCompaction, GrowthOptions,
-    SizeDistribution, random_cloud,
+    CloudScale, CloudSpec, DemError, DemOptions, GrowthCompaction, GrowthOptions, SizeDistribution,
+    random_cloud,
 };
 use dempfv::{Vec3, WallId};
 

@@ -217,7 +217,10 @@ impl Neighbours {
     }
 
     /// Takes up the history of a checkpoint; [`Neighbours::build`] then keeps
-    /// it. Entries that name no particle, or twice the same, are refused.
+    /// it.
+    ///
+    /// # Errors
+    /// [`DemError::Length`] for an entry that names no particle.
     pub fn load(&mut self, state: &DemState) -> Result<(), DemError> {
         let n = state.particles.len();
         let blocks = block_count(n);

@@ -82,7 +82,10 @@ fn run<const FRICTION: bool, const ROTATION: bool>(
         sent: &mut out.sent,
         wall_sums: &mut out.wall_sums,
     };
-    let work = |span: PairSpan<'_>| span.evaluate::<FRICTION, ROTATION>(&input);
+    let arch = pulp::Arch::new();
+    let work = |span: PairSpan<'_>| {
+        arch.dispatch(Evaluate::<FRICTION, ROTATION> { span, input: &input });
+    };
     for_blocks(span, &work, &|(), ()| ());
 
     let span =
@@ -162,7 +165,26 @@ impl Span for PairSpan<'_> {
     }
 }
 
+/// The evaluation of a run of blocks, compiled once more for processors with
+/// wider vector units. Lanes do not mix, so the bits are the same.
+struct Evaluate<'a, const FRICTION: bool, const ROTATION: bool> {
+    span: PairSpan<'a>,
+    input: &'a Input<'a>,
+}
+
+impl<const FRICTION: bool, const ROTATION: bool> pulp::NullaryFnOnce
+    for Evaluate<'_, FRICTION, ROTATION>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.span.evaluate::<FRICTION, ROTATION>(self.input);
+    }
+}
+
 impl PairSpan<'_> {
+    #[inline(always)]
     fn evaluate<const FRICTION: bool, const ROTATION: bool>(mut self, input: &Input<'_>) {
         self.force.fill(Vec3::zeros());
         self.torque.fill(Vec3::zeros());
@@ -173,8 +195,9 @@ impl PairSpan<'_> {
             let inner = from.inner - origin.inner..from.outer - origin.inner;
             let outer = from.outer - origin.inner..to.inner - origin.inner;
             let sent = from.sent - origin.sent;
-            self.pairs::<FRICTION, ROTATION>(&mut batch, inner, None, input);
-            self.pairs::<FRICTION, ROTATION>(&mut batch, outer, Some(sent), input);
+            for (range, sent) in [(inner, None), (outer, Some(sent))] {
+                self.pairs::<FRICTION, ROTATION>(&mut batch, range, sent, input);
+            }
             let walls = from.wall - origin.wall..to.wall - origin.wall;
             self.wall_sums[block] = self.walls::<FRICTION, ROTATION>(walls, input);
         }
@@ -183,6 +206,7 @@ impl PairSpan<'_> {
     /// Evaluates a range of pairs. Of inner pairs both spheres get their
     /// force here; the forces on second spheres of outer pairs go to `sent`,
     /// from the place given.
+    #[inline(always)]
     fn pairs<const FRICTION: bool, const ROTATION: bool>(
         &mut self,
         batch: &mut Batch,
@@ -303,6 +327,7 @@ impl PairSpan<'_> {
     }
 
     /// Evaluates a range of sphere-wall pairs.
+    #[inline(always)]
     fn walls<const FRICTION: bool, const ROTATION: bool>(
         &mut self,
         range: std::ops::Range<usize>,

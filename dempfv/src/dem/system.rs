@@ -27,9 +27,9 @@ pub struct DemOptions {
 }
 
 impl Default for DemOptions {
-    /// No damping, no gravity, rotation, and a skin of a fifth of the radius.
+    /// No damping, no gravity, rotation, and a skin of a tenth of the radius.
     fn default() -> Self {
-        DemOptions { damping: 0.0, gravity: None, rotation: true, skin: 0.2 }
+        DemOptions { damping: 0.0, gravity: None, rotation: true, skin: 0.1 }
     }
 }
 
