@@ -1,9 +1,4 @@
-//! Saturated granular matter: spheres that collide and rub (discrete element
-//! method, DEM) in a viscous fluid that flows through the pores between them
-//! (pore-scale finite volumes, PFV).
-//!
-//! All quantities are in SI units. Stress and pressure are positive in
-//! compression.
+#![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
 pub mod coupling;
