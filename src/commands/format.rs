@@ -1,26 +1,15 @@
 //! Numbers as people read them.
 
+use crate::report::plot::axis::prefix;
+
 /// A quantity with an SI prefix and three digits: 11 kPa, 0.75 mm.
 pub fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(f64, &str); 8] = [
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1.0, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-        (1e-9, "n"),
-        (1e-12, "p"),
-    ];
-    if value == 0.0 {
-        return format!("0 {unit}");
-    }
     let size = value.abs();
     // A value that rounds up to the prefix belongs to it.
-    match PREFIXES.iter().find(|(scale, _)| size >= 0.9995 * scale) {
-        Some((scale, prefix)) if size < 9.995e11 => {
-            format!("{} {prefix}{unit}", three_digits(value / scale))
-        }
+    let (prefix, scale) = prefix(size * (1000.0 / 999.5));
+    match size {
+        0.0 => format!("0 {unit}"),
+        1e-12..9.995e11 => format!("{} {prefix}{unit}", three_digits(value / scale)),
         _ => format!("{value:.2e} {unit}"),
     }
 }

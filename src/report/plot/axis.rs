@@ -191,7 +191,8 @@ fn minus(text: String) -> String {
 /// The engineering prefix that brings a size to between 1 and 1000, and its
 /// factor.
 pub fn prefix(size: f64) -> (&'static str, f64) {
-    const PREFIXES: [(&str, f64); 8] = [
+    const PREFIXES: [(&str, f64); 9] = [
+        ("p", 1e-12),
         ("n", 1e-9),
         ("µ", 1e-6),
         ("m", 1e-3),

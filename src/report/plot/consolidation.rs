@@ -56,12 +56,16 @@ pub fn consolidation(c: &Consolidation) -> Picture {
         top: top + legend + 8.0,
         bottom: p.height - MARGIN,
     };
-    let x = Axis::linear("Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}").spanning(0.0, end);
+    // Settlement over the logarithm of time, as laboratories draw it.
+    let label = "Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}";
+    let first = c.time_factor.iter().copied().fold(end, f64::min).max(1e-3 * end);
+    let x = Axis::log(label).spanning(first, end);
     let y = Axis::linear("Degree of consolidation *U*").spanning(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
     let y = Axis::linear("Base pressure / initial excess pressure")
         .spanning(0.0, upper(c.base_pressure));
+    let x = Axis::linear(label).spanning(0.0, end);
     let area = room(middle + 8.0, edge, &picture);
     Panel { title: "Pressure at the sealed base", x, y, series: &right }.draw(&mut picture, area);
     picture

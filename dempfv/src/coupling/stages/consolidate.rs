@@ -18,6 +18,8 @@ const SLABS: usize = 10;
 /// Samples are this share of the time apart, but at least [`FINEST`].
 const SPACING: f64 = 0.01;
 const FINEST: f64 = 1e-4;
+/// The first sample: before it the servo wall is still bringing the load.
+const FIRST: f64 = 1e-3;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -75,7 +77,7 @@ impl State {
             profiles_left: plan.profiles.clone(),
             start_time: context.clock.time,
             start_position: dem.walls()[plan.wall.index()].position,
-            next_sample: 0.0,
+            next_sample: FIRST,
             steps: 0,
             max_steps: plan.max_steps,
         })
