@@ -78,7 +78,8 @@ fn laplacian_is_solved_to_round_off() {
 fn right_hand_side_is_taken() {
     let folder = Folder::new("rhs");
     let matrix = folder.write("a.mtx", &laplacian(2, 0));
-    let vector = folder.write("b.mtx", "%%MatrixMarket matrix array real general\n8 1\n1\n2\n3\n4\n5\n6\n7\n8\n");
+    let vector = folder
+        .write("b.mtx", "%%MatrixMarket matrix array real general\n8 1\n1\n2\n3\n4\n5\n6\n7\n8\n");
     let output = dempfv(&["solve", &matrix, &vector, "--solver", "cholmod", "--json", "-"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(report["solvers"][0]["residual"].as_f64().unwrap() < 1e-15);
@@ -94,7 +95,10 @@ fn indefinite_column_is_named_with_status_3() {
         assert_eq!(output.status.code(), Some(3));
         let said = text(&output.stderr);
         assert!(said.contains(&format!("column {column} of the file (counted from 1)")), "{said}");
-        assert!(said.contains("cholmod") && said.contains(&matrix) && said.lines().count() == 1, "{said}");
+        assert!(
+            said.contains("cholmod") && said.contains(&matrix) && said.lines().count() == 1,
+            "{said}"
+        );
     }
 }
 

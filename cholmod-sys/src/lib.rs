@@ -10,6 +10,8 @@ mod bindings {
 }
 
 pub mod blas;
+mod loaded;
+pub mod openmp;
 
 pub use bindings::*;
 
@@ -37,7 +39,7 @@ pub fn suitesparse_version() -> [i32; 3] {
 }
 
 /// Limits the OpenMP threads of calls with this common. CHOLMOD before 5
-/// (SuiteSparse 7) cannot be told: it uses the number it was compiled with.
+/// (SuiteSparse 7) cannot be told; see [`openmp`].
 #[cfg_attr(not(openmp_threads), expect(unused_variables))]
 pub fn set_openmp_threads(common: &mut cholmod_common, threads: i32) {
     #[cfg(openmp_threads)]

@@ -74,7 +74,8 @@ fn singular_network_is_refused() {
             a.values[a.col_ptr[j] as usize] -= 1e-12;
         }
         let mut x = vec![0.0; a.n];
-        let error = factor(&a).and_then(|mut f| f.solve_checked(&a, &numbers(a.n, 5), &mut x)).err();
+        let error =
+            factor(&a).and_then(|mut f| f.solve_checked(&a, &numbers(a.n, 5), &mut x)).err();
         assert!(
             matches!(
                 error,
@@ -143,7 +144,8 @@ fn concurrent_analyses_and_factors_give_the_same_bits() {
 fn factor_moves_between_threads() {
     let a = network(20, 12);
     let b = numbers(a.n, 13);
-    let mut made_elsewhere = std::thread::scope(|s| s.spawn(|| factor(&a).unwrap()).join().unwrap());
+    let mut made_elsewhere =
+        std::thread::scope(|s| s.spawn(|| factor(&a).unwrap()).join().unwrap());
     let here = solution_bits(&mut *factor(&a).unwrap(), &b);
     assert_eq!(solution_bits(&mut *made_elsewhere, &b), here);
 }

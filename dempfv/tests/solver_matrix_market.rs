@@ -49,7 +49,8 @@ fn every_layout_gives_the_same_matrix() {
         format!("{SYMMETRIC}% words\n\n3 3 5\n3 2 -2\n1 1 4.0\n2 2 4\n2 1 -1e0\n  3 3  4\n"),
         format!("{SYMMETRIC}3 3 5\r\n1 1 4\r\n1 2 -1\r\n2 2 4\r\n2 3 -0.2D+1\r\n3 3 4\r\n"),
         format!("{GENERAL}3 3 7\n1 1 4\n2 1 -1\n1 2 -1\n2 2 4\n3 2 -2\n2 3 -2\n3 3 4\n"),
-        "%%matrixmarket MATRIX Array Integer General\n3 3\n4\n-1\n0\n-1\n4\n-2\n0\n-2\n4\n".to_owned(),
+        "%%matrixmarket MATRIX Array Integer General\n3 3\n4\n-1\n0\n-1\n4\n-2\n0\n-2\n4\n"
+            .to_owned(),
         "%%MatrixMarket matrix array real symmetric\n3 3\n4\n-1\n0\n4\n-2\n4\n".to_owned(),
     ];
     for (k, text) in layouts.iter().enumerate() {
@@ -82,7 +83,8 @@ fn missing_diagonal_is_zero() {
 
 #[test]
 fn asymmetric_entry_is_named() {
-    let (line, said) = complaint("asymmetric", &format!("{GENERAL}2 2 4\n1 1 1\n2 1 5\n1 2 5.5\n2 2 9\n"));
+    let (line, said) =
+        complaint("asymmetric", &format!("{GENERAL}2 2 4\n1 1 1\n2 1 5\n1 2 5.5\n2 2 9\n"));
     assert_eq!(line, 4);
     assert!(said.contains("entry (2, 1) is 5 but entry (1, 2) is 5.5"), "{said}");
     let (line, said) = complaint("one-sided", &format!("{GENERAL}2 2 3\n1 1 1\n1 2 5\n2 2 9\n"));
@@ -101,7 +103,12 @@ fn each_fault_is_told_with_its_line() {
         ("bad-size", format!("{SYMMETRIC}3 3\n"), 2, "`3 3` is no size line"),
         ("negative", format!("{SYMMETRIC}-3 3 3\n"), 2, "`-3 3 3` is no size line"),
         ("oblong", format!("{GENERAL}2 3 2\n1 1 1\n2 2 1\n"), 2, "2 rows and 3 columns"),
-        ("huge", format!("{SYMMETRIC}9000000000000000 9000000000000000 1\n1 1 1\n"), 2, "cannot fill"),
+        (
+            "huge",
+            format!("{SYMMETRIC}9000000000000000 9000000000000000 1\n1 1 1\n"),
+            2,
+            "cannot fill",
+        ),
         ("short", format!("{SYMMETRIC}2 2 3\n1 1 1\n2 2 1\n"), 4, "ends after 2 entries"),
         ("long", format!("{SYMMETRIC}2 2 2\n1 1 1\n2 2 1\n2 1 1\n"), 5, "after the last entry"),
         ("row", format!("{SYMMETRIC}2 2 2\n1 1 1\n3 2 1\n"), 4, "row 3 does not exist"),
@@ -119,9 +126,13 @@ fn each_fault_is_told_with_its_line() {
 
 #[test]
 fn right_hand_side_must_fit() {
-    let file = Scratch::new("rhs", "%%MatrixMarket matrix array real general\n3 2\n1\n2\n3\n4\n5\n6\n");
+    let file =
+        Scratch::new("rhs", "%%MatrixMarket matrix array real general\n3 2\n1\n2\n3\n4\n5\n6\n");
     let error = read_vector(&file.0, 3).unwrap_err();
-    assert!(error.is_input() && error.to_string().contains("is 3 x 2; it must be 3 x 1"), "{error}");
+    assert!(
+        error.is_input() && error.to_string().contains("is 3 x 2; it must be 3 x 1"),
+        "{error}"
+    );
     let file = Scratch::new("rhs-sparse", &format!("{GENERAL}4 1 4\n4 1 7\n1 1 0\n2 1 0\n3 1 0\n"));
     assert_eq!(read_vector(&file.0, 4).unwrap(), [0.0, 0.0, 0.0, 7.0]);
 }
@@ -129,5 +140,8 @@ fn right_hand_side_must_fit() {
 #[test]
 fn missing_file_is_wrong_input() {
     let error = read_matrix(std::path::Path::new("nowhere.mtx")).unwrap_err();
-    assert!(error.is_input() && error.to_string().starts_with("nowhere.mtx: cannot be read"), "{error}");
+    assert!(
+        error.is_input() && error.to_string().starts_with("nowhere.mtx: cannot be read"),
+        "{error}"
+    );
 }

@@ -147,17 +147,33 @@ fn failed(error: SolverError, kind: SolverKind, matrix: &Path) -> Error {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (unknowns, entries) = (count(self.unknowns as u64), count(self.entries as u64));
-        writeln!(f, "{}: {unknowns} unknowns, {entries} entries on and below the diagonal", self.matrix.display())?;
+        writeln!(
+            f,
+            "{}: {unknowns} unknowns, {entries} entries on and below the diagonal",
+            self.matrix.display()
+        )?;
         match &self.right_hand_side {
             Some(path) => writeln!(f, "right-hand side: {}", path.display())?,
-            None => writeln!(f, "right-hand side: row sums of the matrix (the solution is all ones)")?,
+            None => {
+                writeln!(f, "right-hand side: row sums of the matrix (the solution is all ones)")?
+            }
         }
-        let threads = self.blas_threads.map(|n| format!(", {n} thread{}", if n == 1 { "" } else { "s" }));
+        let threads =
+            self.blas_threads.map(|n| format!(", {n} thread{}", if n == 1 { "" } else { "s" }));
         writeln!(f, "BLAS: {}{}\n", self.blas, threads.unwrap_or_default())?;
         writeln!(
             f,
             "{:<9} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-            "solver", "ordering", "analyze", "factor", "solve", "nnz(L)", "flops", "residual", "error", "memory"
+            "solver",
+            "ordering",
+            "analyze",
+            "factor",
+            "solve",
+            "nnz(L)",
+            "flops",
+            "residual",
+            "error",
+            "memory"
         )?;
         self.solvers.iter().try_for_each(|run| {
             writeln!(

@@ -44,7 +44,11 @@ pub fn read_vector(path: &Path, n: usize) -> Result<Vec<f64>> {
     let file = File::read(path)?;
     if file.rows != n || file.columns != 1 {
         let what = format!("the right-hand side is {} x {}", file.rows, file.columns);
-        return Err(file.wrong(file.size_line, what, &format!("it must be {n} x 1, as the matrix is")));
+        return Err(file.wrong(
+            file.size_line,
+            what,
+            &format!("it must be {n} x 1, as the matrix is"),
+        ));
     }
     let mut vector = vec![0.0; n];
     for entry in file.sorted_entries()? {
@@ -106,7 +110,8 @@ struct File<'a> {
 impl<'a> File<'a> {
     fn read(path: &'a Path) -> Result<Self> {
         let bytes = fs::read(path).map_err(|e| {
-            InputError::new(format!("cannot be read: {e}"), "name a Matrix Market file").in_file(path)
+            InputError::new(format!("cannot be read: {e}"), "name a Matrix Market file")
+                .in_file(path)
         })?;
         // Comments may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
@@ -118,7 +123,11 @@ impl<'a> File<'a> {
             .enumerate()
             .map(|(k, line)| (k + 1, line.trim()))
             .filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
-        if coordinate { file.read_coordinates(&mut lines)? } else { file.read_array(&mut lines)? }
+        if coordinate {
+            file.read_coordinates(&mut lines)?
+        } else {
+            file.read_array(&mut lines)?
+        }
         match lines.next() {
             None => Ok(file),
             Some((line, text)) => Err(file.wrong(
@@ -154,15 +163,25 @@ impl<'a> File<'a> {
         names: &str,
     ) -> Result<[usize; N]> {
         let Some((line, text)) = lines.next() else {
-            return Err(self.wrong(1, "the size line is missing".to_owned(), &format!("it must give {names}")));
+            return Err(self.wrong(
+                1,
+                "the size line is missing".to_owned(),
+                &format!("it must give {names}"),
+            ));
         };
         self.size_line = line;
-        let sizes: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+        let sizes: Option<Vec<usize>> =
+            text.split_whitespace().map(|word| word.parse().ok()).collect();
         let sizes: Option<[usize; N]> = sizes.and_then(|sizes| sizes.try_into().ok());
-        sizes.ok_or_else(|| self.wrong(line, format!("`{text}` is no size line"), &format!("it must give {names}")))
+        sizes.ok_or_else(|| {
+            self.wrong(line, format!("`{text}` is no size line"), &format!("it must give {names}"))
+        })
     }
 
-    fn read_coordinates<'t>(&mut self, lines: &mut impl Iterator<Item = (usize, &'t str)>) -> Result<()> {
+    fn read_coordinates<'t>(
+        &mut self,
+        lines: &mut impl Iterator<Item = (usize, &'t str)>,
+    ) -> Result<()> {
         let names = "the numbers of rows, columns and entries";
         let [rows, columns, count] = self.read_sizes(lines, names)?;
         (self.rows, self.columns) = (rows, columns);
@@ -174,7 +193,8 @@ impl<'a> File<'a> {
         for k in 0..count {
             let (line, text) = self.next_entry(lines, k, count)?;
             let mut words = text.split_whitespace();
-            let (Some(i), Some(j), Some(value), None) = (words.next(), words.next(), words.next(), words.next())
+            let (Some(i), Some(j), Some(value), None) =
+                (words.next(), words.next(), words.next(), words.next())
             else {
                 let what = format!("`{text}` is no entry");
                 return Err(self.wrong(line, what, "it must be row, column and value"));
@@ -190,7 +210,11 @@ impl<'a> File<'a> {
     fn read_array<'t>(&mut self, lines: &mut impl Iterator<Item = (usize, &'t str)>) -> Result<()> {
         let [rows, columns] = self.read_sizes(lines, "the numbers of rows and columns")?;
         (self.rows, self.columns) = (rows, columns);
-        let count = if self.symmetric { rows.saturating_mul(rows.saturating_add(1)) / 2 } else { rows.saturating_mul(columns) };
+        let count = if self.symmetric {
+            rows.saturating_mul(rows.saturating_add(1)) / 2
+        } else {
+            rows.saturating_mul(columns)
+        };
         for column in 0..columns {
             for row in if self.symmetric { column } else { 0 }..rows {
                 let (line, text) = self.next_entry(lines, self.entries.len(), count)?;
@@ -210,14 +234,22 @@ impl<'a> File<'a> {
     ) -> Result<(usize, &'t str)> {
         lines.next().ok_or_else(|| {
             let last = self.entries.last().map_or(self.size_line, |entry| entry.line);
-            self.wrong(last, format!("the file ends after {k} entries"), &format!("its size line says {count}"))
+            self.wrong(
+                last,
+                format!("the file ends after {k} entries"),
+                &format!("its size line says {count}"),
+            )
         })
     }
 
     fn index(&self, word: &str, size: usize, name: &str, line: usize) -> Result<usize> {
         match word.parse::<usize>() {
             Ok(index) if (1..=size).contains(&index) => Ok(index - 1),
-            _ => Err(self.wrong(line, format!("{name} {word} does not exist"), &format!("{name}s count from 1 to {size}"))),
+            _ => Err(self.wrong(
+                line,
+                format!("{name} {word} does not exist"),
+                &format!("{name}s count from 1 to {size}"),
+            )),
         }
     }
 
@@ -226,7 +258,9 @@ impl<'a> File<'a> {
         let value = word.parse().or_else(|_| word.replace(['d', 'D'], "e").parse::<f64>());
         match value {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.wrong(line, format!("the value `{word}`"), "it must be one finite number")),
+            _ => {
+                Err(self.wrong(line, format!("the value `{word}`"), "it must be one finite number"))
+            }
         }
     }
 
@@ -242,7 +276,8 @@ impl<'a> File<'a> {
     /// The lower triangle of a `symmetric` file, which may hold either half of
     /// each pair.
     fn mirrored_down(&self) -> Result<Vec<Entry>> {
-        let down = |e: &Entry| Entry { column: e.column.min(e.row), row: e.column.max(e.row), ..*e };
+        let down =
+            |e: &Entry| Entry { column: e.column.min(e.row), row: e.column.max(e.row), ..*e };
         sort_unique(self, self.entries.iter().map(down).collect())
     }
 
@@ -255,7 +290,8 @@ impl<'a> File<'a> {
                 .map_or(0.0, |k| entries[k].value);
             if (e.value - mirror).abs() > SYMMETRY_TOLERANCE * e.value.abs().max(mirror.abs()) {
                 let (i, j) = (e.row + 1, e.column + 1);
-                let what = format!("entry ({i}, {j}) is {} but entry ({j}, {i}) is {mirror}", e.value);
+                let what =
+                    format!("entry ({i}, {j}) is {} but entry ({j}, {i}) is {mirror}", e.value);
                 return Err(self.wrong(e.line, what, "the matrix must be symmetric"));
             }
         }
@@ -269,7 +305,12 @@ fn sort_unique(file: &File<'_>, mut entries: Vec<Entry>) -> Result<Vec<Entry>> {
     match twice {
         None => Ok(entries),
         Some(e) => {
-            let what = format!("entry ({}, {}) was given on line {} already", e[1].row + 1, e[1].column + 1, e[0].line);
+            let what = format!(
+                "entry ({}, {}) was given on line {} already",
+                e[1].row + 1,
+                e[1].column + 1,
+                e[0].line
+            );
             Err(file.wrong(e[1].line, what, "give each entry once"))
         }
     }

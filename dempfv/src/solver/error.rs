@@ -106,9 +106,8 @@ impl SolverError {
     /// about.
     pub fn column(&self) -> Option<usize> {
         match self {
-            SolverError::NotPositiveDefinite { column } | SolverError::NearlySingular { column, .. } => {
-                Some(*column)
-            }
+            SolverError::NotPositiveDefinite { column }
+            | SolverError::NearlySingular { column, .. } => Some(*column),
             _ => None,
         }
     }

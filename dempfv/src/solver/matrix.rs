@@ -60,8 +60,13 @@ impl SymmetricCsc {
         if self.col_ptr.len() != self.n + 1 || self.col_ptr[0] != 0 {
             return fail(0, "the column pointers must be n + 1 and start with 0");
         }
-        if self.col_ptr[self.n] != self.row_idx.len() as i64 || self.values.len() != self.row_idx.len() {
-            return fail(self.n, "the last column pointer must be the number of rows and of values");
+        if self.col_ptr[self.n] != self.row_idx.len() as i64
+            || self.values.len() != self.row_idx.len()
+        {
+            return fail(
+                self.n,
+                "the last column pointer must be the number of rows and of values",
+            );
         }
         // Before any column is looked at: one descent could hide an overrun.
         if let Some(column) = self.col_ptr.windows(2).position(|p| p[1] < p[0]) {
@@ -149,7 +154,11 @@ impl SymmetricCsc {
             *r = b - *r;
         }
         let numerator = norm_inf(&r);
-        if numerator == 0.0 { 0.0 } else { numerator / (self.norm_inf() * norm_inf(x) + norm_inf(b)) }
+        if numerator == 0.0 {
+            0.0
+        } else {
+            numerator / (self.norm_inf() * norm_inf(x) + norm_inf(b))
+        }
     }
 }
 

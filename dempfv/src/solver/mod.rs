@@ -126,7 +126,12 @@ pub trait Factor: Send {
     /// # Errors
     /// As [`Factor::solve`], and [`SolverError::ResidualTooLarge`] above
     /// [`RESIDUAL_LIMIT`].
-    fn solve_checked(&mut self, a: &SymmetricCsc, b: &[f64], x: &mut [f64]) -> Result<f64, SolverError> {
+    fn solve_checked(
+        &mut self,
+        a: &SymmetricCsc,
+        b: &[f64],
+        x: &mut [f64],
+    ) -> Result<f64, SolverError> {
         self.solve(b, x)?;
         let residual = a.residual(b, x);
         // Not `>`: a residual that is no number must not pass.

@@ -36,8 +36,8 @@ pub fn network(m: usize, seed: u64) -> SymmetricCsc {
             diagonal[a.row_idx[k] as usize] += g;
         }
     }
-    for j in 0..a.n {
-        a.values[a.col_ptr[j] as usize] = diagonal[j];
+    for (&start, value) in a.col_ptr.iter().zip(diagonal) {
+        a.values[start as usize] = value;
     }
     a
 }

@@ -88,7 +88,11 @@ impl CholmodFactor {
             }
         });
         let (column, ratio) = worst;
-        if ratio < PIVOT_LIMIT { Err(SolverError::NearlySingular { column, ratio }) } else { Ok(()) }
+        if ratio < PIVOT_LIMIT {
+            Err(SolverError::NearlySingular { column, ratio })
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -79,7 +79,9 @@ impl Raw {
     pub(super) fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), Fault> {
         let mut view = sparse_view(a);
         // SAFETY: as in `analyze`; `l` is a factor of this common.
-        unsafe { sys::cholmod_l_factorize(&mut view, self.l, &mut *self.common) };
+        sys::openmp::serially(|| unsafe {
+            sys::cholmod_l_factorize(&mut view, self.l, &mut *self.common)
+        });
         self.outcome()
     }
 
