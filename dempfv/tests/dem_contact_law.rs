@@ -241,3 +241,22 @@ fn contact_time_step_of_one_contact() {
     let dt = dem.contact_time_step(0.8).unwrap();
     assert!((dt / (0.8 * (2.0 * m / 1e5).sqrt()) - 1.0).abs() < 1e-12);
 }
+
+/// Local damping by hand, on a free sphere under gravity g: each component of
+/// the acceleration times 1 − λ sign(a (v + a Δt/2)). It takes from what goes
+/// along and adds to what goes against; a velocity that the half step turns
+/// around (v = −0.4 a Δt) goes along already.
+#[test]
+fn local_damping_by_hand() {
+    let (damping, dt, g) = (0.3, 1e-2, Vec3::new(1.0, -2.0, 4.0));
+    let start = Vec3::new(0.1, 0.1, -0.4 * 4.0 * dt);
+    let mut p = Particles::new(vec![BOX.center()], vec![0.1], 2600.0);
+    p.velocity[0] = start;
+    let options = DemOptions { damping, gravity: Some(g), ..DemOptions::default() };
+    let mut dem = Dem::new(p, BOX, material(), frictionless_walls(), options).unwrap();
+    dem.step(dt).unwrap();
+    let expected = start + dt * Vec3::new(0.7 * 1.0, 1.3 * -2.0, 0.7 * 4.0);
+    assert!((dem.particles().velocity[0] - expected).norm() < 1e-15);
+    let moved = dem.particles().position[0] - BOX.center();
+    assert!((moved - dt * expected).norm() < 1e-15);
+}

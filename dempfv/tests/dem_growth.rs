@@ -33,6 +33,30 @@ fn growth_settles_at_its_stress() {
     assert!((0.35..0.45).contains(&dem.porosity()), "{}", dem.porosity());
 }
 
+/// The growth law by hand: every ten steps the factor 1 + (σ_goal − σ)/σ_goal
+/// (m − 1), with the smaller m from the first time on that σ passes the goal.
+#[test]
+fn growth_follows_its_law() {
+    let mut dem = twin(300, 1, DAMPED);
+    let options = GrowthOptions::new(1e4, 1e6);
+    let mut growth = GrowthCompaction::new(options).unwrap();
+    let (mut passed, mut after) = (false, 0);
+    while after < 10 {
+        let before = dem.particles().radius[0];
+        let status = growth.step(&mut dem).unwrap();
+        let factor = dem.particles().radius[0] / before;
+        if (status.steps - 1) % 10 != 0 {
+            assert_eq!(factor, 1.0);
+            continue;
+        }
+        passed |= status.stress > 1e4;
+        after += usize::from(passed);
+        let m = if passed { 1.0 + 2e3 / 1e6 } else { 1.0 + 2e4 / 1e6 };
+        let expected = 1.0 + (1.0 - status.stress / 1e4) * (m - 1.0);
+        assert!((factor - expected).abs() < 1e-14, "step {}", status.steps);
+    }
+}
+
 #[test]
 fn the_seed_decides() {
     let [a, b, c] = [(400, 3), (400, 3), (400, 4)]

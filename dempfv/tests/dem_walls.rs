@@ -54,31 +54,35 @@ fn the_fluid_counts_in_the_servo() {
     assert!((stress / 5e3 - 1.0).abs() < 2e-3, "{stress}");
 }
 
-/// One sphere between a fixed wall and a servo wall: the law by hand. Wanted
-/// shift (F − F_goal)/k, cut at
-/// 3 v Δt L_z / (L_x + L_y + L_z); shift = 0.75 wanted + 0.8 previous.
+/// One sphere and a servo wall: the law by hand. Wanted outward shift
+/// (F − F_goal)/k, cut at 3 v Δt L_z / (L_x + L_y + L_z); shift = 0.75 wanted +
+/// 0.8 previous.
 #[test]
 fn the_servo_law_by_hand() {
-    let overlap = 1e-4;
-    let p = Particles::new(vec![Vec3::new(0.5, 0.5, 0.9 + overlap)], vec![0.1], 2600.0);
-    let mut dem = Dem::new(p, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
-    let stress = 5.0;
-    let max_velocity = 1e-3;
-    dem.set_control(WallId::ZMax, WallControl::Servo { stress, max_velocity }).unwrap();
+    let (overlap, stress, max_velocity) = (1e-4, 5.0, 1e-3);
     let (dt, k) = (1e-4, 1e5);
-    let mut previous = 0.0;
-    for step in 0..2 {
-        let z = dem.particles().position[0].z;
-        let wall = dem.walls()[WallId::ZMax.index()].position;
-        // The excess is 5 N of 5 + 5 N, so that the cut acts: 5e-5 > 1e-7.
-        let share = 3.0 * wall / (2.0 + wall);
-        let wanted = ((k * (z + 0.1 - wall) - stress) / k).min(max_velocity * share * dt);
-        let shift = 0.75 * wanted + 0.8 * previous;
-        previous = shift;
-        dem.step(dt).unwrap();
-        let moved = dem.walls()[WallId::ZMax.index()].position - wall;
-        assert!((moved / shift - 1.0).abs() < 1e-6, "{step}: {moved} {shift}");
-        assert!((dem.walls()[WallId::ZMax.index()].velocity * dt / shift - 1.0).abs() < 1e-9);
+    for wall in [WallId::ZMin, WallId::ZMax] {
+        let mut centre = Vec3::repeat(0.5);
+        centre.z = UNIT.wall(wall) + wall.inward() * (0.1 - overlap);
+        let p = Particles::new(vec![centre], vec![0.1], 2600.0);
+        let mut dem = Dem::new(p, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
+        dem.set_control(wall, WallControl::Servo { stress, max_velocity }).unwrap();
+        let mut previous = 0.0;
+        for step in 0..2 {
+            let before = dem.walls()[wall.index()];
+            let gap = (dem.particles().position[0].z - before.position) * wall.inward();
+            let height = dem.box_().size().z;
+            let limit = max_velocity * dt * 3.0 * height / (2.0 + height);
+            // The contact pushes with 10 N, the goal is 5 N: the cut acts.
+            let wanted = ((k * (0.1 - gap) - stress) / k).min(limit);
+            let shift = 0.75 * wanted + 0.8 * previous;
+            previous = shift;
+            dem.step(dt).unwrap();
+            let now = dem.walls()[wall.index()];
+            let moved = -wall.inward() * (now.displacement - before.displacement);
+            assert!((moved / shift - 1.0).abs() < 1e-9, "{wall} {step}: {moved} {shift}");
+            assert!((now.velocity * dt / (-wall.inward() * shift) - 1.0).abs() < 1e-9);
+        }
     }
 }
 
