@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{Random, Spheres, cubic, face_centred, settled, unit_box};
+use common::{Random, Spheres, cubic, face_centred, few, loose, settled, unit_box};
 use dempfv::pfv::{Boundary, Clamp, Fluid, NONE, Network, Operators, PfvError};
-use dempfv::{Aabb, Vec3, WallId};
+use dempfv::{Vec3, WallId};
 
 const DRAINED_TOP: Fluid = Fluid {
     viscosity: 1e-3,
@@ -15,22 +15,6 @@ const DRAINED_TOP: Fluid = Fluid {
 
 fn network(s: &Spheres) -> Network {
     Network::new(&s.x, &s.r, s.bounds, &DRAINED_TOP).unwrap()
-}
-
-/// A loose random packing in a box that is no cube and not at the origin.
-fn loose() -> Spheres {
-    let mut random = Random(3);
-    let bounds = Aabb { min: Vec3::new(-1.0, 2.0, 0.5), max: Vec3::new(1.0, 3.0, 2.0) };
-    let x = (0..150)
-        .map(|_| bounds.center() + 0.42 * random.vector().component_mul(&bounds.size()))
-        .collect();
-    let r = (0..150).map(|_| 0.02 + 0.04 * random.next()).collect();
-    Spheres { x, r, bounds }
-}
-
-fn few(count: usize) -> Spheres {
-    let x = vec![Vec3::new(0.3, 0.4, 0.6), Vec3::new(0.7, 0.5, 0.4)];
-    Spheres { x: x[..count].to_vec(), r: vec![0.2, 0.1][..count].to_vec(), bounds: unit_box(1.0) }
 }
 
 fn wall_vertices(n: &Network, pore: usize) -> usize {

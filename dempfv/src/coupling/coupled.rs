@@ -58,6 +58,7 @@ pub struct Coupled {
     wet: Option<Wet>,
     remeshes: u64,
     largest_residual: f64,
+    largest_imbalance: f64,
     phases: Phases,
 }
 
@@ -70,6 +71,7 @@ impl Coupled {
             wet: None,
             remeshes: 0,
             largest_residual: 0.0,
+            largest_imbalance: 0.0,
             phases: Phases::default(),
         }
     }
@@ -154,6 +156,7 @@ impl Coupled {
         }
         wet.state.age += 1;
         self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
+        self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         Ok(())
     }
 
@@ -186,6 +189,11 @@ impl Coupled {
     /// Largest residual of the first solves after factorizations.
     pub fn largest_residual(&self) -> f64 {
         self.largest_residual
+    }
+
+    /// Largest imbalance of fluid mass of any step ([`Flow::imbalance`]).
+    pub fn largest_imbalance(&self) -> f64 {
+        self.largest_imbalance
     }
 
     /// Where the time went.

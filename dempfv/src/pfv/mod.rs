@@ -17,6 +17,7 @@ mod fluid;
 mod frame;
 mod network;
 mod operators;
+mod outlets;
 mod polyhedra;
 mod pore;
 mod tessellation;

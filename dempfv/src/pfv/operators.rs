@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::outlets::Outlets;
 use super::{Boundary, NONE, Network, PfvError};
 use crate::solver::SymmetricCsc;
 use crate::{Vec3, WallId};
@@ -25,6 +26,7 @@ pub struct Operators {
     imposed_by: Vec<u8>,
     /// Inflow from pores with imposed pressure, per unknown (m³/s).
     inflow: Vec<f64>,
+    outlets: Outlets,
     boundary: Boundary,
     volume: VolumeRate,
     forces: Forces,
@@ -71,6 +73,7 @@ impl Operators {
             matrix,
             pore_of,
             unknown_of,
+            outlets: Outlets::new(network, &imposed_by),
             imposed_by,
             inflow,
             boundary,
@@ -137,30 +140,43 @@ impl Operators {
         }
     }
 
-    /// Flux through each wall, positive into the box (m³/s): what leaves the
-    /// wall's pores for others, plus what these pores swallow by growing.
-    pub fn flux(&self, network: &Network, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
-        let mut flux = [0.0; 6];
-        for (i, &wall) in self.imposed_by.iter().enumerate() {
-            if wall < 6 {
-                flux[wall as usize] += volume_rate[i];
-            }
-        }
-        for ([i, j], g) in network
-            .throats
-            .pores
-            .iter()
-            .map(|p| p.map(|p| p as usize))
-            .zip(&network.throats.conductance)
-        {
-            let flow = g * (pressure[i] - pressure[j]);
-            for (pore, out) in [(i, flow), (j, -flow)] {
-                if let Some(sum) = flux.get_mut(self.imposed_by[pore] as usize) {
-                    *sum += out;
-                }
-            }
-        }
-        flux
+    /// Flux through each wall, positive into the box (m³/s).
+    pub fn flux(&self, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
+        self.outlets.flux(pressure, volume_rate)
+    }
+
+    /// What enters through the walls less what the pores swallow, over the
+    /// larger of the two (1): the flows through the walls without their signs,
+    /// or the sum of the volume rates. Where the rates nearly cancel, a
+    /// hundredth of their sum without signs counts. Zero when nothing flows.
+    pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
+        let flux = self.flux(pressure, volume_rate);
+        let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
+        let (grown, moved) = volume_rate.iter().fold((0.0f64, 0.0), |(g, m), v| (g + v, m + v.abs()));
+        let larger = through.max(grown.abs()).max(0.01 * moved);
+        if larger > 0.0 { (net - grown).abs() / larger } else { 0.0 }
+    }
+
+    /// What each free pore gains through its throats less what it swallows
+    /// (m³/s), throat by throat: the difference of pressures comes first, so
+    /// that a wide throat between pores of nearly one pressure does not drown
+    /// the narrow ones, as it does in the rows of the assembled matrix.
+    pub fn surplus(
+        &self,
+        network: &Network,
+        pressure: &[f64],
+        volume_rate: &[f64],
+        out: &mut [f64],
+    ) {
+        for_each(out, &|u, surplus| {
+            let i = self.pore_of[u] as usize;
+            let around = network.tessellation.neighbors[i].into_iter();
+            *surplus = around
+                .zip(network.conductances_of(i))
+                .filter(|(j, _)| *j != NONE)
+                .map(|(j, g)| g * (pressure[j as usize] - pressure[i]))
+                .fold(-volume_rate[i], |sum, flow| sum + flow);
+        });
     }
 }
 

@@ -84,3 +84,20 @@ pub fn face_centred(n: usize, jitter: f64) -> Spheres {
     let edge = n as f64 - 0.5 + 2.0 * r;
     Spheres { r: vec![r; x.len()], x, bounds: unit_box(edge) }
 }
+
+/// A loose random packing in a box that is no cube and not at the origin.
+pub fn loose() -> Spheres {
+    let mut random = Random(3);
+    let bounds = Aabb { min: Vec3::new(-1.0, 2.0, 0.5), max: Vec3::new(1.0, 3.0, 2.0) };
+    let x = (0..150)
+        .map(|_| bounds.center() + 0.42 * random.vector().component_mul(&bounds.size()))
+        .collect();
+    let r = (0..150).map(|_| 0.02 + 0.04 * random.next()).collect();
+    Spheres { x, r, bounds }
+}
+
+/// One or two spheres in a unit box.
+pub fn few(count: usize) -> Spheres {
+    let x = vec![Vec3::new(0.3, 0.4, 0.6), Vec3::new(0.7, 0.5, 0.4)];
+    Spheres { x: x[..count].to_vec(), r: vec![0.2, 0.1][..count].to_vec(), bounds: unit_box(1.0) }
+}

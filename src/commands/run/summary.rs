@@ -44,6 +44,8 @@ pub struct Report {
     remeshes: u64,
     /// Largest relative residual of the first solves after factorizations.
     largest_residual: f64,
+    /// Largest relative imbalance of fluid mass of any step.
+    largest_imbalance: f64,
     peak_memory_bytes: Option<u64>,
     threads: usize,
     solver: Option<&'static str>,
@@ -85,6 +87,7 @@ impl Report {
             phases_ms: coupled.phases().in_ms().collect(),
             remeshes: simulation.remeshes(),
             largest_residual: coupled.largest_residual(),
+            largest_imbalance: coupled.largest_imbalance(),
             peak_memory_bytes: peak_memory(),
             threads,
             solver: plan.fluid.as_ref().map(|f| f.solver.name()),
