@@ -1,46 +1,33 @@
 //! One dry step of a settled packing, at three sizes and on one thread and
 //! two. Prints the number of contacts of each packing.
 
+use std::path::PathBuf;
+
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use dempfv::dem::{
-    CloudScale, CloudSpec, Dem, DemError, DemOptions, GrowthCompaction, GrowthOptions, Material,
-    Particles, SizeDistribution, WallMaterial, random_cloud,
-};
-use dempfv::{Aabb, Vec3};
+use dempfv::dem::{Dem, DemOptions, Material, Particles, WallMaterial};
+use dempfv::io::packing::Packing;
 
-const YOUNG: f64 = 1e6;
-
-/// Spheres settled at 1 kPa in a cube, with friction of 30°.
-fn settled(count: usize) -> Result<Dem, DemError> {
-    let box_ = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
-    let cloud = random_cloud(&CloudSpec {
-        box_,
-        count,
-        sizes: SizeDistribution::Uniform { spread: 0.25 },
-        scale: CloudScale::Porosity(0.75),
-        seed: 1,
-    })?;
-    let material = Material {
-        young: YOUNG,
-        stiffness_ratio: 0.5,
-        friction_angle: 30f64.to_radians(),
-        density: 2600.0,
-    };
-    let (position, radius) = cloud.into_iter().unzip();
-    let spheres = Particles::new(position, radius, material.density);
-    let walls = WallMaterial { young: YOUNG, friction_angle: 0.0 };
-    let options = DemOptions { damping: 0.3, ..DemOptions::default() };
-    let mut dem = Dem::new(spheres, box_, material, walls, options)?;
-    GrowthCompaction::new(GrowthOptions::new(1e3, YOUNG))?.run(&mut dem)?;
-    dem.sort_spatially()?;
-    Ok(dem)
+/// The spheres of a packing file at rest, with friction of 30° and damping:
+/// every effect of the contact law acts.
+fn specimen(count: usize) -> Dem {
+    let file = format!("../packings/oedometer-{count}.txt");
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(file);
+    let packing = Packing::read(&path).expect("a shipped packing");
+    let bounds = packing.bounds_or_tight().expect("spheres");
+    let material =
+        Material { young: 1e6, stiffness_ratio: 0.5, friction_angle: 0.5236, density: 2600.0 };
+    let walls = WallMaterial { young: 1e6, friction_angle: 0.0 };
+    let options = DemOptions { damping: 0.2, ..DemOptions::default() };
+    let spheres = Particles::new(packing.position, packing.radius, material.density);
+    Dem::new(spheres, bounds, material, walls, options).expect("a valid packing")
 }
 
 fn dry_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("dry step");
     group.sample_size(20);
     for count in [1_000, 5_000, 20_000] {
-        let mut dem = settled(count).expect("the packing settles");
+        let mut dem = specimen(count);
+        dem.compute_contacts().expect("contacts");
         let dt = dem.contact_time_step(0.5).expect("it has contacts");
         println!("{count} spheres: {} contacts", dem.contacts().count());
         group.throughput(Throughput::Elements(count as u64));
