@@ -39,6 +39,9 @@ pub struct FluidState {
     age: u64,
     /// Change of each pore's volume since then (m³); empty without the strain rule.
     volume_change: Vec<f64>,
+    /// Unknown pressures that the next solve goes on from (Pa); empty before
+    /// the first.
+    solution: Vec<f64>,
 }
 
 /// A network in use.
@@ -117,10 +120,14 @@ impl Coupled {
         let Some(saturation) = self.saturation else { return Ok(()) };
         if self.wet.as_ref().is_none_or(|wet| wet.is_due(&saturation.remesh)) {
             let position = self.dem.particles().position.clone();
-            self.mesh(
-                saturation,
-                FluidState { position, bounds: self.dem.box_(), age: 0, volume_change: vec![] },
-            )?;
+            let fresh = FluidState {
+                position,
+                bounds: self.dem.box_(),
+                age: 0,
+                volume_change: vec![],
+                solution: vec![],
+            };
+            self.mesh(saturation, fresh)?;
             self.remeshes += 1;
         }
         Ok(())
@@ -129,8 +136,9 @@ impl Coupled {
     /// Builds the network for the positions that a fluid state names.
     fn mesh(&mut self, saturation: Saturation, mut state: FluidState) -> Result<()> {
         let radius = &self.dem.particles().radius;
-        let flow =
+        let mut flow =
             Flow::new(&state.position, radius, state.bounds, &saturation.fluid, saturation.solver)?;
+        flow.resume(&state.solution);
         let times = flow.build_times();
         self.phases.add(Phase::Network, times.network);
         self.phases.add(Phase::Analyze, times.analyze);
@@ -203,7 +211,8 @@ impl Coupled {
 
     /// What a checkpoint needs beside the state of the mechanics.
     pub fn fluid_state(&self) -> Option<FluidState> {
-        self.wet.as_ref().map(|wet| wet.state.clone())
+        let wet = self.wet.as_ref()?;
+        Some(FluidState { solution: wet.flow.solution().to_vec(), ..wet.state.clone() })
     }
 
     /// Builds the network of a checkpoint again, bit for bit.
