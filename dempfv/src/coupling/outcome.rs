@@ -14,7 +14,6 @@ pub struct StageOutcome {
     /// Model time it took (s).
     pub model_time_s: f64,
     /// What it found out.
-    #[serde(flatten)]
     pub outcome: Outcome,
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use dempfv::coupling::{Consolidation, Outcome, Simulation, StageOutcome};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::commands::doctor;
 use crate::commands::format::{bytes, count, duration, si, three_digits};
@@ -52,6 +52,7 @@ pub struct Report {
     effects: Vec<&'static str>,
     versions: BTreeMap<&'static str, String>,
     state_hash: String,
+    #[serde(serialize_with = "with_outcomes_inline")]
     stages: Vec<StageOutcome>,
     #[serde(skip)]
     folder: PathBuf,
@@ -105,6 +106,29 @@ impl Report {
             _ => None,
         })
     }
+}
+
+/// Stages with what they found out as one more key each, `consolidate` for
+/// example. (Checkpoints keep the outcome as a field: their encoding has no
+/// such keys.)
+fn with_outcomes_inline<S: Serializer>(
+    stages: &[StageOutcome],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Inline<'a> {
+        name: &'a str,
+        steps: u64,
+        model_time_s: f64,
+        #[serde(flatten)]
+        outcome: &'a Outcome,
+    }
+    serializer.collect_seq(stages.iter().map(|s| Inline {
+        name: &s.name,
+        steps: s.steps,
+        model_time_s: s.model_time_s,
+        outcome: &s.outcome,
+    }))
 }
 
 /// The most memory that this process has held, in bytes.
