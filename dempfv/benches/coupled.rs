@@ -34,8 +34,12 @@ fn packing(count: usize) -> (Packing, Aabb) {
 
 /// The paper's specimen (Caulk 2020, section 4), never remeshed.
 fn specimen(packing: &Packing, bounds: Aabb) -> Coupled {
-    let material =
-        Material { young: 1e6, stiffness_ratio: 0.5, friction_angle: 0.5236, density: 2600.0 };
+    let material = Material {
+        young: 1e6,
+        stiffness_ratio: 0.5,
+        friction_angle: std::f64::consts::FRAC_PI_6,
+        density: 2600.0,
+    };
     let particles = Particles::new(packing.position.clone(), packing.radius.clone(), 2600.0);
     let walls = WallMaterial { young: 1e6, friction_angle: 0.0 };
     let dem = Dem::new(particles, bounds, material, walls, DemOptions::default()).expect("a dem");
@@ -91,9 +95,8 @@ fn parts(c: &mut Criterion) {
         group.bench_function(id("analyze"), |b| {
             b.iter(|| backend.analyze(&matrix, None).expect("an analysis"));
         });
-        let mut factor = Some(
-            backend.analyze(&matrix, None).and_then(|s| s.factor(&matrix)).expect("a factor"),
-        );
+        let mut factor =
+            Some(backend.analyze(&matrix, None).and_then(|s| s.factor(&matrix)).expect("a factor"));
         group.bench_function(id("factor"), |b| {
             b.iter(|| factor = factor.take().map(|f| f.refactor(&matrix).expect("a factor")));
         });

@@ -14,8 +14,12 @@ fn specimen(count: usize) -> Dem {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(file);
     let packing = Packing::read(&path).expect("a shipped packing");
     let bounds = packing.bounds_or_tight().expect("spheres");
-    let material =
-        Material { young: 1e6, stiffness_ratio: 0.5, friction_angle: 0.5236, density: 2600.0 };
+    let material = Material {
+        young: 1e6,
+        stiffness_ratio: 0.5,
+        friction_angle: std::f64::consts::FRAC_PI_6,
+        density: 2600.0,
+    };
     let walls = WallMaterial { young: 1e6, friction_angle: 0.0 };
     let options = DemOptions { damping: 0.2, ..DemOptions::default() };
     let spheres = Particles::new(packing.position, packing.radius, material.density);

@@ -32,8 +32,7 @@ fn consolidation(simulation: &Simulation) -> &Consolidation {
 fn degree(c: &Consolidation, at: f64) -> f64 {
     let after = c.samples.iter().position(|s| s.time_factor >= at).unwrap();
     let (a, b) = (&c.samples[after - 1], &c.samples[after]);
-    a.degree
-        + (b.degree - a.degree) * (at - a.time_factor) / (b.time_factor - a.time_factor)
+    a.degree + (b.degree - a.degree) * (at - a.time_factor) / (b.time_factor - a.time_factor)
 }
 
 /// Terzaghi's theory with c_v from the modulus and the permeability that the

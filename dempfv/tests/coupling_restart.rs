@@ -45,8 +45,11 @@ fn course(simulation: &mut Simulation) -> Vec<(u64, String)> {
     }
 }
 
+/// States by stage name; step and hash after each step; the finished simulation.
+type Course = (Vec<(String, State)>, Vec<(u64, String)>, Simulation);
+
 /// States at the start of each stage and 60 and 61 steps into it, and the course.
-fn with_states(text: &str) -> (Vec<(String, State)>, Vec<(u64, String)>, Simulation) {
+fn with_states(text: &str) -> Course {
     let mut simulation = start(text);
     let mut states = vec![];
     let mut seen = vec![];
@@ -56,7 +59,8 @@ fn with_states(text: &str) -> (Vec<(String, State)>, Vec<(u64, String)>, Simulat
             stage = now.name.clone();
             states.push((format!("start of {stage}"), simulation.state()));
         } else if [60, 61].contains(&simulation.stage_steps()) {
-            states.push((format!("{stage}, step {}", simulation.stage_steps()), simulation.state()));
+            states
+                .push((format!("{stage}, step {}", simulation.stage_steps()), simulation.state()));
         }
         simulation.advance().unwrap();
         if simulation.step().is_multiple_of(25) || simulation.stage().is_none() {

@@ -45,7 +45,7 @@ fn growth_follows_its_law() {
         let before = dem.particles().radius[0];
         let status = growth.step(&mut dem).unwrap();
         let factor = dem.particles().radius[0] / before;
-        if (status.steps - 1) % 10 != 0 {
+        if !(status.steps - 1).is_multiple_of(10) {
             assert_eq!(factor, 1.0);
             continue;
         }

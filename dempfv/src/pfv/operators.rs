@@ -152,7 +152,8 @@ impl Operators {
     pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
         let flux = self.flux(pressure, volume_rate);
         let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
-        let (grown, moved) = volume_rate.iter().fold((0.0f64, 0.0), |(g, m), v| (g + v, m + v.abs()));
+        let (grown, moved) =
+            volume_rate.iter().fold((0.0f64, 0.0), |(g, m), v| (g + v, m + v.abs()));
         let larger = through.max(grown.abs()).max(0.01 * moved);
         if larger > 0.0 { (net - grown).abs() / larger } else { 0.0 }
     }

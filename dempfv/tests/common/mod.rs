@@ -98,6 +98,6 @@ pub fn loose() -> Spheres {
 
 /// One or two spheres in a unit box.
 pub fn few(count: usize) -> Spheres {
-    let x = vec![Vec3::new(0.3, 0.4, 0.6), Vec3::new(0.7, 0.5, 0.4)];
+    let x = [Vec3::new(0.3, 0.4, 0.6), Vec3::new(0.7, 0.5, 0.4)];
     Spheres { x: x[..count].to_vec(), r: vec![0.2, 0.1][..count].to_vec(), bounds: unit_box(1.0) }
 }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use dempfv::Result;
-use dempfv::io::atomic;
-use dempfv::theory::degree_of_consolidation;
 use dempfv::coupling::{
     Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
 };
+use dempfv::io::atomic;
 use dempfv::scene::{StageKind, Until};
+use dempfv::theory::degree_of_consolidation;
 
 use crate::commands::format::{si, three_digits};
 use crate::report::plot::{self, Section};
@@ -66,7 +66,8 @@ fn consolidation(
 
 /// The course of a consolidation and the theory beside it, as a table.
 fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
-    let mut text = "time_factor,settlement_m,degree,terzaghi_top_drained,terzaghi,base_pressure\n".to_owned();
+    let mut text =
+        "time_factor,settlement_m,degree,terzaghi_top_drained,terzaghi,base_pressure\n".to_owned();
     for s in &c.samples {
         let (drained, plain) = (c.theory(s.time_factor), degree_of_consolidation(s.time_factor));
         let row = [s.time_factor, s.settlement_m, s.degree, drained, plain, s.base_pressure];
@@ -122,16 +123,14 @@ fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Moti
         })
         .collect();
     let y_label = format!("Stress on the walls ({prefix}Pa)");
-    let caption = if wet { "Compression positive; contacts and fluid together." } else { "Compression positive." };
+    let caption = if wet {
+        "Compression positive; contacts and fluid together."
+    } else {
+        "Compression positive."
+    };
     let title = format!("{}: {}", simulation.plan().title, stage.name);
-    plot::xy(
-        &title,
-        caption,
-        plot::Axis::linear(&x_label),
-        plot::Axis::linear(&y_label),
-        &series,
-    )
-    .save(folder, &format!("stress-{}", stage.name))
+    plot::xy(&title, caption, plot::Axis::linear(&x_label), plot::Axis::linear(&y_label), &series)
+        .save(folder, &format!("stress-{}", stage.name))
 }
 
 /// A cut through the middle of the packing, coloured by pore pressure.
