@@ -72,24 +72,15 @@ impl Simulation {
         })
     }
 
-    /// Goes on from a state, with the same bits as if it had not stopped.
+    /// Goes on from a state, with the same bits as if it had not stopped. What
+    /// the plan allows a stage (`max_steps`) holds from here on.
     ///
     /// # Errors
-    /// When the state has more stages than the plan, or as a step.
+    /// When the plan's stages are not those that the state has come through, or
+    /// as a step.
     pub fn restart(plan: Plan, state: State) -> Result<Simulation> {
         let stage = state.stage as usize;
-        if stage > plan.stages.len() {
-            let what = format!(
-                "the checkpoint is in stage {}, the scene has {}",
-                stage + 1,
-                plan.stages.len()
-            );
-            return Err(InputError::new(
-                what,
-                "restart with the scene that the checkpoint was made with",
-            )
-            .into());
-        }
+        check_stages(&plan, &state)?;
         let dem = Dem::from_state(
             state.dem,
             setup::material(&plan),
@@ -97,8 +88,9 @@ impl Simulation {
             setup::options(&plan),
         )?;
         let mut coupled = Coupled::new(dem);
-        if let Some(active) = &state.active {
-            active.restore(&mut coupled, &plan)?;
+        let mut active = state.active;
+        if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
+            active.restore(&mut coupled, &plan, &stage.kind)?;
         }
         if let (Some(fluid), Some(saved)) = (&plan.fluid, state.fluid) {
             coupled.restore_fluid(setup::saturation(fluid), saved)?;
@@ -108,7 +100,7 @@ impl Simulation {
             coupled,
             clock: state.clock,
             stage,
-            active: state.active,
+            active,
             stage_start: state.stage_start,
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
@@ -140,11 +132,16 @@ impl Simulation {
             Some(active) => active,
             None => Active::start(&stage.kind, &mut context)?,
         };
-        match active.advance(&mut context)? {
-            Progress::Running => self.active = Some(active),
-            Progress::Finished(outcome) => {
+        match active.advance(&mut context) {
+            Ok(Progress::Finished(outcome)) => {
                 let name = stage.name.clone();
                 self.finish_stage(name, outcome);
+            }
+            Ok(Progress::Running) => self.active = Some(active),
+            Err(error) => {
+                // A checkpoint of the failure knows how far the stage came.
+                self.active = Some(active);
+                return Err(error);
             }
         }
         Ok(self.stage < self.plan.stages.len())
@@ -262,6 +259,30 @@ impl Simulation {
             });
         format!("{hash:016x}")
     }
+}
+
+/// Refuses a state that has come through other stages than the plan's.
+fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
+    let remedy = "restart with the scene that the checkpoint was made with";
+    let begun = state.outcomes.len() + usize::from(state.active.is_some());
+    if begun > plan.stages.len() {
+        let what =
+            format!("the checkpoint is in stage {begun}, the scene has {}", plan.stages.len());
+        return Err(InputError::new(what, remedy));
+    }
+    let done = state.outcomes.iter().map(|o| (o.name.as_str(), o.outcome.kind()));
+    let going = state.active.iter().map(|a| (plan.stages[begun - 1].name.as_str(), a.kind()));
+    for ((name, kind), stage) in done.chain(going).zip(&plan.stages) {
+        if (name, kind) != (stage.name.as_str(), stage.kind.name()) {
+            let what = format!(
+                "the checkpoint has a {kind} stage `{name}` where the scene has a {} stage `{}`",
+                stage.kind.name(),
+                stage.name
+            );
+            return Err(InputError::new(what, remedy));
+        }
+    }
+    Ok(())
 }
 
 /// The last finished measurement of the oedometric modulus.

@@ -70,6 +70,17 @@ impl Active {
         }
     }
 
+    /// The kind of the stage, as scenes name it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Active::Compact(_) => "compact",
+            Active::Cycle(_) => "cycle",
+            Active::Permeability(_) => "permeability",
+            Active::Consolidate(_) => "consolidate",
+            Active::Run(_) => "run",
+        }
+    }
+
     /// Share of the stage that is done.
     pub fn progress(&self, clock: &Clock) -> Option<f64> {
         match self {
@@ -87,12 +98,27 @@ impl Active {
         }
     }
 
-    /// Tells mechanics that were made anew what this stage has changed.
-    pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
-        match self {
-            Active::Compact(state) => state.restore(coupled),
-            Active::Run(state) => state.restore(coupled, plan),
-            Active::Cycle(_) | Active::Permeability(_) | Active::Consolidate(_) => Ok(()),
+    /// Tells mechanics that were made anew what this stage has changed, and the
+    /// stage how many steps the plan now allows it.
+    pub fn restore(&mut self, coupled: &mut Coupled, plan: &Plan, kind: &StageKind) -> Result<()> {
+        match (self, kind) {
+            (Active::Compact(state), StageKind::Compact(stage)) => {
+                state.allow(stage.max_steps);
+                state.restore(coupled)
+            }
+            (Active::Cycle(state), StageKind::Cycle(stage)) => {
+                state.allow(stage.max_steps);
+                Ok(())
+            }
+            (Active::Consolidate(state), StageKind::Consolidate(stage)) => {
+                state.allow(stage.max_steps);
+                Ok(())
+            }
+            (Active::Run(state), StageKind::Run(stage)) => {
+                state.allow(&stage.until);
+                state.restore(coupled, plan)
+            }
+            _ => Ok(()),
         }
     }
 }
