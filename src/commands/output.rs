@@ -17,14 +17,19 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// Where the results of `input` go.
+    pub fn place(&self, input: &Path) -> PathBuf {
+        let name = input.file_stem().unwrap_or(input.as_os_str());
+        self.out.clone().unwrap_or_else(|| Path::new("out").join(name))
+    }
+
     /// The folder for the results of `input`; nothing is made yet.
     ///
     /// # Errors
     /// [`InputError`] when `result` (the file that marks a result) is in it and `--force`
     /// is not given, or the path is no folder.
     pub fn folder(&self, input: &Path, result: &str) -> Result<PathBuf, InputError> {
-        let name = input.file_stem().unwrap_or(input.as_os_str());
-        let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(name));
+        let folder = self.place(input);
         if folder.exists() && !folder.is_dir() {
             return Err(InputError::new(
                 format!("--out {} is no folder", folder.display()),

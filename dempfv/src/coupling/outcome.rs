@@ -158,6 +158,19 @@ pub struct MotionSample {
     pub mean_pressure_pa: f64,
 }
 
+impl Outcome {
+    /// The kind of the stage, as scenes name it.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Outcome::Compact(_) => "compact",
+            Outcome::Cycle(_) => "cycle",
+            Outcome::Permeability(_) => "permeability",
+            Outcome::Consolidate(_) => "consolidate",
+            Outcome::Run(_) => "run",
+        }
+    }
+}
+
 impl Consolidation {
     /// Largest distance of the measured degree of consolidation from
     /// Terzaghi's with the drained layer counted, for `T_v` in a range.

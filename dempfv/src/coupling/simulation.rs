@@ -75,21 +75,11 @@ impl Simulation {
     /// Goes on from a state, with the same bits as if it had not stopped.
     ///
     /// # Errors
-    /// When the state has more stages than the plan, or as a step.
+    /// When the plan's stages are not those that the state has come through, or
+    /// as a step.
     pub fn restart(plan: Plan, state: State) -> Result<Simulation> {
         let stage = state.stage as usize;
-        if stage > plan.stages.len() {
-            let what = format!(
-                "the checkpoint is in stage {}, the scene has {}",
-                stage + 1,
-                plan.stages.len()
-            );
-            return Err(InputError::new(
-                what,
-                "restart with the scene that the checkpoint was made with",
-            )
-            .into());
-        }
+        check_stages(&plan, &state)?;
         let dem = Dem::from_state(
             state.dem,
             setup::material(&plan),
@@ -262,6 +252,30 @@ impl Simulation {
             });
         format!("{hash:016x}")
     }
+}
+
+/// Refuses a state that has come through other stages than the plan's.
+fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
+    let remedy = "restart with the scene that the checkpoint was made with";
+    let begun = state.outcomes.len() + usize::from(state.active.is_some());
+    if begun > plan.stages.len() {
+        let what =
+            format!("the checkpoint is in stage {begun}, the scene has {}", plan.stages.len());
+        return Err(InputError::new(what, remedy));
+    }
+    let done = state.outcomes.iter().map(|o| (o.name.as_str(), o.outcome.kind()));
+    let going = state.active.iter().map(|a| (plan.stages[begun - 1].name.as_str(), a.kind()));
+    for ((name, kind), stage) in done.chain(going).zip(&plan.stages) {
+        if (name, kind) != (stage.name.as_str(), stage.kind.name()) {
+            let what = format!(
+                "the checkpoint has a {kind} stage `{name}` where the scene has a {} stage `{}`",
+                stage.kind.name(),
+                stage.name
+            );
+            return Err(InputError::new(what, remedy));
+        }
+    }
+    Ok(())
 }
 
 /// The last finished measurement of the oedometric modulus.

@@ -5,7 +5,7 @@ mod pictures;
 mod recorder;
 mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -51,7 +51,7 @@ pub struct Args {
 /// the simulation cannot go on, after its checkpoint and results were kept.
 pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let plan = Plan::load(&args.scene)?;
-    let folder = args.output.folder(&args.scene, SUMMARY)?;
+    let folder = folder(args)?;
     let interrupted = context.interruption()?;
     let restarted_at =
         args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
@@ -68,7 +68,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         progress: context.progress(),
         start: Instant::now(),
         first: simulation.step(),
-        profiles_seen: 0,
+        profiles_seen: simulation.consolidation().map_or(0, |c| c.profiles.len()),
     };
     let last = args.steps.map(|n| simulation.step() + n);
     let stop = |s: &Simulation| {
@@ -76,6 +76,24 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     };
     let ended = session.carry_out(&mut simulation, stop);
     session.close(simulation, context, ended, interrupted.load(Ordering::Relaxed))
+}
+
+/// The folder for the results. An unfinished run that is gone on with in its
+/// own folder replaces nothing.
+fn folder(args: &Args) -> Result<PathBuf> {
+    let place = args.output.place(&args.scene);
+    let same = |a: &Path, b: &Path| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
+    let continued = args.restart.as_ref().is_some_and(|from| same(from, &place.join(CHECKPOINT)));
+    if continued && is_unfinished(&place.join(SUMMARY)) {
+        return Ok(place);
+    }
+    Ok(args.output.folder(&args.scene, SUMMARY)?)
+}
+
+fn is_unfinished(summary: &Path) -> bool {
+    let text = std::fs::read_to_string(summary).unwrap_or_default();
+    let summary: Option<serde_json::Value> = serde_json::from_str(&text).ok();
+    summary.is_some_and(|s| s["finished"] == false)
 }
 
 /// A run from its first step to its summary.

@@ -17,6 +17,7 @@ pub struct Recorder {
     history_every: u64,
     checkpoint_every: u64,
     frames: Option<Frames>,
+    /// Step of the last row: a stage without steps adds none.
     last_row: Option<u64>,
 }
 
@@ -52,7 +53,7 @@ impl Recorder {
             history_every: output.history_every,
             checkpoint_every: output.checkpoint_every,
             frames,
-            last_row: None,
+            last_row: from.map(|(step, _)| step),
         })
     }
 

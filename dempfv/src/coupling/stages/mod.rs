@@ -70,6 +70,17 @@ impl Active {
         }
     }
 
+    /// The kind of the stage, as scenes name it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Active::Compact(_) => "compact",
+            Active::Cycle(_) => "cycle",
+            Active::Permeability(_) => "permeability",
+            Active::Consolidate(_) => "consolidate",
+            Active::Run(_) => "run",
+        }
+    }
+
     /// Share of the stage that is done.
     pub fn progress(&self, clock: &Clock) -> Option<f64> {
         match self {
