@@ -72,7 +72,8 @@ impl Simulation {
         })
     }
 
-    /// Goes on from a state, with the same bits as if it had not stopped.
+    /// Goes on from a state, with the same bits as if it had not stopped. What
+    /// the plan allows a stage (`max_steps`) holds from here on.
     ///
     /// # Errors
     /// When the plan's stages are not those that the state has come through, or
@@ -87,8 +88,9 @@ impl Simulation {
             setup::options(&plan),
         )?;
         let mut coupled = Coupled::new(dem);
-        if let Some(active) = &state.active {
-            active.restore(&mut coupled, &plan)?;
+        let mut active = state.active;
+        if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
+            active.restore(&mut coupled, &plan, &stage.kind)?;
         }
         if let (Some(fluid), Some(saved)) = (&plan.fluid, state.fluid) {
             coupled.restore_fluid(setup::saturation(fluid), saved)?;
@@ -98,7 +100,7 @@ impl Simulation {
             coupled,
             clock: state.clock,
             stage,
-            active: state.active,
+            active,
             stage_start: state.stage_start,
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
@@ -130,11 +132,16 @@ impl Simulation {
             Some(active) => active,
             None => Active::start(&stage.kind, &mut context)?,
         };
-        match active.advance(&mut context)? {
-            Progress::Running => self.active = Some(active),
-            Progress::Finished(outcome) => {
+        match active.advance(&mut context) {
+            Ok(Progress::Finished(outcome)) => {
                 let name = stage.name.clone();
                 self.finish_stage(name, outcome);
+            }
+            Ok(Progress::Running) => self.active = Some(active),
+            Err(error) => {
+                // A checkpoint of the failure knows how far the stage came.
+                self.active = Some(active);
+                return Err(error);
             }
         }
         Ok(self.stage < self.plan.stages.len())

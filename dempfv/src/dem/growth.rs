@@ -96,6 +96,11 @@ impl GrowthCompaction {
         Ok(GrowthCompaction { options, status, passed: false, dt: 0.0 })
     }
 
+    /// Changes after how many steps in all it gives up.
+    pub fn set_max_steps(&mut self, max_steps: u64) {
+        self.options.max_steps = max_steps;
+    }
+
     /// Where the compaction stands.
     pub fn status(&self) -> GrowthStatus {
         self.status
@@ -122,14 +127,7 @@ impl GrowthCompaction {
                 return Ok(self.status);
             }
         }
-        if self.status.steps >= self.options.max_steps {
-            return Err(DemError::NotSettled {
-                steps: self.status.steps,
-                stress: self.status.stress,
-                goal: self.options.stress,
-                unbalanced: self.status.unbalanced,
-            });
-        }
+        self.check_steps()?;
         dem.integrate(self.dt, None, None)?;
         self.status.steps += 1;
         Ok(self.status)
@@ -157,6 +155,8 @@ impl GrowthCompaction {
         if self.status.done {
             return Ok(());
         }
+        // Before anything grows: with more steps allowed, it goes on from here.
+        self.check_steps()?;
         self.passed |= stress > goal;
         let largest = if self.passed { self.options.slow_factor } else { self.options.fast_factor };
         // An early burst of stress must not shrink the spheres to nothing.
@@ -166,6 +166,14 @@ impl GrowthCompaction {
         self.dt =
             dem.contact_time_step(safety).unwrap_or(f64::INFINITY).min(lone_contact(dem, safety));
         Ok(())
+    }
+
+    fn check_steps(&self) -> Result<(), DemError> {
+        let GrowthStatus { steps, stress, unbalanced, .. } = self.status;
+        if steps < self.options.max_steps {
+            return Ok(());
+        }
+        Err(DemError::NotSettled { steps, stress, goal: self.options.stress, unbalanced })
     }
 }
 

@@ -121,8 +121,14 @@ impl Session {
         while simulation.stage().is_some() && !stop(simulation) {
             let done = simulation.outcomes().len();
             if let Err(error) = simulation.advance() {
-                let spoilt = matches!(&error, Error::AtStep { source, .. } if matches!(**source, Error::Dem(DemError::NotFinite { .. })));
-                let state = if spoilt { kept.0 } else { simulation.state() };
+                let state = match is_spoilt(&error) {
+                    true => kept.0,
+                    false => {
+                        // The step may be complete, and the stage the failure.
+                        self.recorder.after_step(simulation)?;
+                        simulation.state()
+                    }
+                };
                 // Nothing is lost on top of the failure if this one fails too.
                 let _ = checkpoint::save(&self.folder.join(CHECKPOINT), &state);
                 return Err(error);
@@ -220,6 +226,18 @@ impl Session {
             Err(Error::Input(error)) => Err(Error::Input(error)),
             Err(error) => Err(error),
         }
+    }
+}
+
+/// Whether the state after a failure is of no use to go on from: spheres where
+/// they cannot be, or numbers that are none. A stage that has used up its steps
+/// and a solver that has used up the memory leave a sound one.
+fn is_spoilt(error: &Error) -> bool {
+    match error {
+        Error::AtStep { source, .. } => is_spoilt(source),
+        Error::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
+        Error::Pfv(_) => true,
+        _ => false,
     }
 }
 

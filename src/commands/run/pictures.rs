@@ -130,7 +130,7 @@ fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Moti
     };
     let title = format!("{}: {}", simulation.plan().title, stage.name);
     plot::xy(&title, caption, plot::Axis::linear(&x_label), plot::Axis::linear(&y_label), &series)
-        .save(folder, &format!("stress-{}", stage.name))
+        .save(folder, &format!("stress-{}", in_file_name(simulation, stage)))
 }
 
 /// A cut through the middle of the packing, coloured by pore pressure.
@@ -161,7 +161,22 @@ pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<(
 fn name(picture: &str, simulation: &Simulation, stage: &StageOutcome) -> String {
     let stages = &simulation.plan().stages;
     let alike = stages.iter().filter(|s| matches!(s.kind, StageKind::Consolidate(_))).count();
-    if alike > 1 { format!("{picture}-{}", stage.name) } else { picture.to_owned() }
+    match alike {
+        0 | 1 => picture.to_owned(),
+        _ => format!("{picture}-{}", in_file_name(simulation, stage)),
+    }
+}
+
+/// A stage's name as part of a file's. Characters that mean something to some
+/// file system become dashes, and the stage's number then tells it from others.
+fn in_file_name(simulation: &Simulation, stage: &StageOutcome) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    let name: String = stage.name.chars().map(plain).collect();
+    if name == stage.name {
+        return name;
+    }
+    let number = simulation.plan().stages.iter().position(|s| s.name == stage.name);
+    format!("{}-{}", number.map_or(0, |k| k + 1), name.trim_matches('-'))
 }
 
 fn caption(simulation: &Simulation, c: &Consolidation) -> String {

@@ -57,6 +57,8 @@ fn open_clip(out: &mut String, clips: &mut Vec<Rect>, area: Rect) {
 fn push_item(out: &mut String, item: &Item) {
     out.push_str("<path");
     if let Some(text) = &item.text {
+        // XML has no place for control characters.
+        let text: String = text.chars().filter(|c| !c.is_control()).collect();
         let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
         let _ = write!(out, " aria-label=\"{text}\"");
     }

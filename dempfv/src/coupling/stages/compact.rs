@@ -38,6 +38,11 @@ impl State {
         Ok(())
     }
 
+    /// Changes how many steps the stage may take in all.
+    pub fn allow(&mut self, max_steps: u64) {
+        self.growth.set_max_steps(max_steps);
+    }
+
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         let growth = &mut self.growth;
         let coupled = &mut *context.coupled;

@@ -97,6 +97,11 @@ impl State {
         (self.time_factor(clock) / self.until).min(1.0)
     }
 
+    /// Changes how many steps the stage may take in all.
+    pub fn allow(&mut self, max_steps: u64) {
+        self.max_steps = max_steps;
+    }
+
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         context.step()?;
         self.steps += 1;

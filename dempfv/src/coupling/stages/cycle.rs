@@ -58,6 +58,11 @@ impl State {
         Ok(context.coupled.dem.set_control(self.wall, control)?)
     }
 
+    /// Changes how many steps the stage may take in all.
+    pub fn allow(&mut self, max_steps: u64) {
+        self.max_steps = max_steps;
+    }
+
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         context.quasi_static_step()?;
         self.steps += 1;

@@ -98,12 +98,27 @@ impl Active {
         }
     }
 
-    /// Tells mechanics that were made anew what this stage has changed.
-    pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
-        match self {
-            Active::Compact(state) => state.restore(coupled),
-            Active::Run(state) => state.restore(coupled, plan),
-            Active::Cycle(_) | Active::Permeability(_) | Active::Consolidate(_) => Ok(()),
+    /// Tells mechanics that were made anew what this stage has changed, and the
+    /// stage how many steps the plan now allows it.
+    pub fn restore(&mut self, coupled: &mut Coupled, plan: &Plan, kind: &StageKind) -> Result<()> {
+        match (self, kind) {
+            (Active::Compact(state), StageKind::Compact(stage)) => {
+                state.allow(stage.max_steps);
+                state.restore(coupled)
+            }
+            (Active::Cycle(state), StageKind::Cycle(stage)) => {
+                state.allow(stage.max_steps);
+                Ok(())
+            }
+            (Active::Consolidate(state), StageKind::Consolidate(stage)) => {
+                state.allow(stage.max_steps);
+                Ok(())
+            }
+            (Active::Run(state), StageKind::Run(stage)) => {
+                state.allow(&stage.until);
+                state.restore(coupled, plan)
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -67,6 +67,15 @@ impl State {
             .set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
     }
 
+    /// Changes how many steps the stage may take to reach its strain.
+    pub fn allow(&mut self, until: &Until) {
+        if let (End::Strain { max_steps, .. }, Until::Strain { max_steps: allowed, .. }) =
+            (&mut self.end, until)
+        {
+            *max_steps = *allowed;
+        }
+    }
+
     fn sample(&self, context: &Context) -> MotionSample {
         let coupled = &context.coupled;
         let stress = |axis: usize| {
