@@ -10,6 +10,10 @@ use crate::io::packing::Packing;
 /// A sphere may reach through a wall by this share of its radius: contacts overlap.
 const REACH: f64 = 0.1;
 
+/// The same in the box that a packing file states itself: what made the packing put
+/// these walls there, however soft its spheres.
+const REACH_IN_OWN_BOX: f64 = 0.4;
+
 /// Spheres whose centres are nearer than this share of the smallest radius coincide.
 const COINCIDENT: f64 = 1e-9;
 
@@ -35,11 +39,13 @@ impl Plan {
 /// What is wrong, with file and line.
 pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb), InputError> {
     let packing = Packing::read(path)?;
+    let own = bounds.is_none() && packing.bounds.is_some();
+    let reach = if own { REACH_IN_OWN_BOX } else { REACH };
     let bounds = bounds
         .or_else(|| packing.bounds_or_tight())
         .ok_or_else(|| count_fault(0, 0).in_file(path))?;
     let lines = Some(packing.line.as_slice());
-    validate_packing(&packing.position, &packing.radius, lines, &bounds, Some(path))?;
+    check(&packing.position, &packing.radius, lines, &bounds, Some(path), reach)?;
     Ok((packing, bounds))
 }
 
@@ -67,6 +73,17 @@ pub fn validate_packing(
     bounds: &Aabb,
     file: Option<&Path>,
 ) -> Result<(), InputError> {
+    check(positions, radii, lines, bounds, file, REACH)
+}
+
+fn check(
+    positions: &[Vec3],
+    radii: &[f64],
+    lines: Option<&[usize]>,
+    bounds: &Aabb,
+    file: Option<&Path>,
+    reach: f64,
+) -> Result<(), InputError> {
     let place = |error: InputError, sphere: Option<usize>| {
         let error = match file {
             Some(file) => error.in_file(file),
@@ -81,7 +98,7 @@ pub fn validate_packing(
         return Err(place(count_fault(positions.len(), radii.len()), None));
     }
     for (i, (x, &r)) in positions.iter().zip(radii).enumerate() {
-        check_sphere(i, x, r, bounds).map_err(|e| place(e, Some(i)))?;
+        check_sphere(i, x, r, bounds, reach).map_err(|e| place(e, Some(i)))?;
     }
     match coincident(positions, radii) {
         None => Ok(()),
@@ -105,7 +122,7 @@ fn count_fault(positions: usize, radii: usize) -> InputError {
     InputError::new(what, LINE_FORM)
 }
 
-fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb) -> Result<(), InputError> {
+fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb, reach: f64) -> Result<(), InputError> {
     if !(r.is_finite() && r > 0.0) {
         return Err(InputError::new(
             format!("sphere {i} has the radius {r}"),
@@ -130,13 +147,16 @@ fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb) -> Result<(), InputEr
                 "move it inside, or give a larger box",
             ));
         }
-        if depth < r * (1.0 - REACH) {
+        if depth < r * (1.0 - reach) {
             return Err(InputError::new(
                 format!(
                     "sphere {i} is outside the box: it pokes through {wall} by {:.1} % of its radius",
                     100.0 * (1.0 - depth / r)
                 ),
-                "move it inside or give a larger box: up to 10 % is a contact",
+                format!(
+                    "move it inside or give a larger box: up to {:.0} % is a contact",
+                    100.0 * reach
+                ),
             ));
         }
     }
