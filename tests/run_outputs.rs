@@ -277,3 +277,41 @@ steps = 200
     let output = folder.dempfv(&["pack", "compact.toml", "--out", "c"]);
     assert_eq!(output.status.code(), Some(2), "{}", error(&output));
 }
+
+/// `check` counts the pores of a packing file as `run` then has them; of a
+/// cloud it estimates them.
+#[test]
+fn check_counts_what_a_run_has() {
+    let folder = Folder::new("check");
+    let file = packing("oedometer-1000.txt");
+    folder.write(
+        "scene.toml",
+        &format!(
+            r#"
+[particles]
+packing = "{file}"
+[dem]
+dt = 1e-6
+[fluid]
+viscosity = 1e-3
+pressure = {{ y_max = 0.0 }}
+[[stage]]
+kind = "run"
+steps = 1
+"#
+        ),
+    );
+    folder.done(&["check", "scene.toml", "--json", "plan.json"]);
+    let estimate = &folder.json("plan.json")["estimate"];
+    assert_eq!(estimate["counted"], true);
+    folder.done(&["run", "scene.toml", "--out", "out"]);
+    let summary = folder.json("out/summary.json");
+    assert_eq!(estimate["pores"], summary["pores"]);
+    assert_eq!(estimate["unknowns"], summary["unknowns"]);
+    // L has at least an entry for each of the matrix: the diagonal, and nearly
+    // two throats an unknown.
+    assert!(number(&estimate["factor_entries"]) > 2.5 * number(&estimate["unknowns"]));
+    folder.write("cloud.toml", &scene(STAGES, ""));
+    folder.done(&["check", "cloud.toml", "--json", "cloud.json"]);
+    assert_eq!(folder.json("cloud.json")["estimate"]["counted"], false);
+}

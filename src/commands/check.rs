@@ -3,12 +3,16 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use dempfv::pfv::{Boundary, Fluid, Network, Operators};
 use dempfv::scene::{Estimate, Plan, Specimen, StageKind, TimeStep, Until};
-use dempfv::{Aabb, Error, InputError};
+use dempfv::{Aabb, Error};
 use serde::Serialize;
 
 use super::describe;
 use super::format::{bytes, count, duration, si, three_digits};
+
+/// The pores of packings of up to so many spheres are counted.
+const COUNTED: usize = 50_000;
 
 /// What `check` takes.
 #[derive(clap::Args)]
@@ -43,7 +47,8 @@ struct StageReport {
 /// Reads and validates a scene and, where it has one, its packing.
 ///
 /// # Errors
-/// [`Error::Input`] for whatever is wrong in the scene or the packing.
+/// [`Error::Input`] for whatever is wrong in the scene or the packing; why there is no
+/// network of the packing, where the scene needs one.
 pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
     let (specimen, bounds) = specimen(&plan)?;
@@ -73,11 +78,51 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     })
 }
 
-/// The spheres of a plan and the box they are in.
-fn specimen(plan: &Plan) -> Result<(Specimen, Option<Aabb>), InputError> {
-    Ok(match plan.packing()? {
-        Some((packing, bounds)) => (Specimen::of_radii(&packing.radius), Some(bounds)),
-        None => (Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds),
+/// The spheres of a plan and the box they are in. The pores of a packing file are
+/// counted, not estimated, if that takes no longer than a second.
+fn specimen(plan: &Plan) -> Result<(Specimen, Option<Aabb>), Error> {
+    let Some((packing, bounds)) = plan.packing()? else {
+        return Ok((Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds));
+    };
+    let mut specimen = Specimen::of_radii(&packing.radius);
+    let compacted = plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_)));
+    if let Some(fluid) = &plan.fluid
+        && packing.len() <= COUNTED
+        && !compacted
+        && let Some(pressure) = pressures(plan)
+    {
+        let boundary = Boundary { pressure };
+        let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
+        let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
+        let network = Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
+        let operators = Operators::new(&network, boundary)?;
+        specimen.pores = Some(network.pores());
+        specimen.unknowns = Some(operators.unknowns());
+        specimen.factor_entries = Some(0);
+        if operators.unknowns() > 0 {
+            let places: Vec<[f64; 3]> =
+                operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
+            let symbolic = fluid.solver.backend().analyze(&operators.matrix, Some(&places))?;
+            specimen.factor_entries = Some(symbolic.analysis().nnz_l as usize);
+        }
+    }
+    Ok((specimen, Some(bounds)))
+}
+
+/// The pressures on the walls in the stages that couple the fluid, else in the first
+/// measurement of a permeability; `None` when no stage has flow.
+fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
+    if plan.stages.iter().any(|s| s.kind.is_coupled()) {
+        return plan.fluid.as_ref().map(|f| f.pressure);
+    }
+    plan.stages.iter().find_map(|s| match &s.kind {
+        StageKind::Permeability(p) => {
+            let mut pressure = [None; 6];
+            pressure[2 * p.axis.index()] = Some(1.0);
+            pressure[2 * p.axis.index() + 1] = Some(0.0);
+            Some(pressure)
+        }
+        _ => None,
     })
 }
 

@@ -33,7 +33,8 @@ impl Plan {
 }
 
 /// Reads a packing file and checks it ([`validate_packing`]) against `bounds`, else
-/// against its own box; without either, its box is the tight one.
+/// against its own box; without either, its box is the tight one. Into the walls of a box
+/// that the file itself states, spheres may reach by 40 % of their radius.
 ///
 /// # Errors
 /// What is wrong, with file and line.
