@@ -224,18 +224,13 @@ fn permeability_by_axis() {
         assert!((0.5..2.0).contains(&(k / kozeny)), "{k:e} against {kozeny:e}");
         assert!(number(&axis["imbalance"]) < 1e-10);
     }
-    let lattice: String = (0..64)
-        .map(|i| format!("{}.5 {}.5 {}.5 0.5\n", i % 4, i / 4 % 4, i / 16))
-        .collect();
+    let lattice: String =
+        (0..64).map(|i| format!("{}.5 {}.5 {}.5 0.5\n", i % 4, i / 4 % 4, i / 16)).collect();
     folder.write("cubic.txt", &lattice);
     let text = folder.done(&["permeability", "cubic.txt", "--json", "-"]);
     let report: Value = serde_json::from_str(&text).unwrap();
-    let k: Vec<f64> = report["axes"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|a| number(&a["permeability_m2"]))
-        .collect();
+    let k: Vec<f64> =
+        report["axes"].as_array().unwrap().iter().map(|a| number(&a["permeability_m2"])).collect();
     assert!(k.iter().all(|v| (v / k[0] - 1.0).abs() < 0.01), "{k:?}");
 }
 

@@ -82,7 +82,9 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
 /// own folder replaces nothing.
 fn folder(args: &Args) -> Result<PathBuf> {
     let place = args.output.place(&args.scene);
-    let same = |a: &Path, b: &Path| a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a));
+    let same = |a: &Path, b: &Path| {
+        a.canonicalize().ok().is_some_and(|a| b.canonicalize().ok() == Some(a))
+    };
     let continued = args.restart.as_ref().is_some_and(|from| same(from, &place.join(CHECKPOINT)));
     if continued && is_unfinished(&place.join(SUMMARY)) {
         return Ok(place);
