@@ -14,7 +14,10 @@ use clap::Parser;
 use commands::{Cli, Context};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
     let result =
         Context::new(&cli.options).and_then(|context| commands::execute(cli.command, &context));
     match result {
@@ -25,4 +28,20 @@ fn main() -> ExitCode {
             ExitCode::from(if error.is_input() { 2 } else { 3 })
         }
     }
+}
+
+/// What clap has to say: help as it is, an error in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // A closed stdout must not turn help into a panic.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let text = error.render().to_string();
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let message: Vec<&str> = lines
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .collect();
+    let _ = writeln!(io::stderr(), "{}; see --help", message.join("; "));
+    ExitCode::from(2)
 }

@@ -4,12 +4,15 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use dempfv::io::atomic;
 use dempfv::{Error, InputError};
 use serde::Serialize;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 
+use super::INTERRUPTED;
 use crate::report::progress::Progress;
 
 /// Options that every subcommand takes.
@@ -86,21 +89,18 @@ impl Context {
 
     /// A flag that the first Ctrl-C (or SIGTERM) raises, for commands that then write what
     /// they have and stop; the second ends the program at once. Commands that do not ask
-    /// for the flag end at the first.
+    /// for the flag end at the first. SIGHUP stays as it is, so that `nohup` works.
     ///
     /// # Errors
-    /// [`Error::Io`] when the system refuses the handler, or it was asked for before.
+    /// [`Error::Io`] when the system refuses the handler.
     pub fn interruption(&self) -> Result<Arc<AtomicBool>, Error> {
         let raised = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&raised);
-        ctrlc::try_set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                // 128 + SIGINT, as shells report it.
-                std::process::exit(130);
-            }
-            let _ = writeln!(io::stderr(), "stopping after this step; once more to quit at once");
-        })
-        .map_err(|e| Error::io("Ctrl-C handler", io::Error::other(e)))?;
+        for signal in [SIGINT, SIGTERM] {
+            // In this order: the second signal finds the flag that the first has raised.
+            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&raised))
+                .and_then(|_| flag::register(signal, Arc::clone(&raised)))
+                .map_err(|e| Error::io("signal handler", e))?;
+        }
         Ok(raised)
     }
 }
@@ -134,6 +134,10 @@ fn check_folder(path: &Path) -> Result<(), InputError> {
             format!("--json {} is a folder", path.display()),
             "name a file in it",
         )),
-        _ => Ok(()),
+        _ if *path == *"-" || path.exists() => Ok(()),
+        // Better known before the work than after.
+        _ => atomic::AtomicFile::create(path).map(drop).map_err(|e| {
+            InputError::new(format!("--json: {e}"), "name a file in a folder that you may write to")
+        }),
     }
 }

@@ -10,7 +10,7 @@ use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Error, InputError, Vec3, WallId};
 use serde::Serialize;
 
-use super::format::{count, si, three_digits};
+use super::format::{count, three_digits};
 use super::output::{OutputArgs, make_folder};
 use super::{Context, context};
 
@@ -36,7 +36,7 @@ pub struct Args {
 #[derive(clap::Args)]
 pub struct FluidArgs {
     /// Dynamic viscosity (Pa·s)
-    #[arg(long, value_name = "MU", default_value_t = 1e-3)]
+    #[arg(long, value_name = "MU", default_value_t = 1e-3, allow_negative_numbers = true)]
     pub viscosity: f64,
     /// Does the fluid slip along walls without imposed pressure?
     #[arg(long, value_name = "true|false", default_value_t = true, action = clap::ArgAction::Set)]
@@ -206,7 +206,7 @@ impl fmt::Display for Report {
         )?;
         writeln!(f, "  porosity       {}", three_digits(self.porosity))?;
         for (wall, flux) in self.flux.iter().filter(|(_, q)| **q != 0.0) {
-            writeln!(f, "  flux at {wall}  {} into the box", si(*flux, "m³/s"))?;
+            writeln!(f, "  flux at {wall}  {flux:.4e} m³/s into the box")?;
         }
         if let Some(k) = self.permeability_m2 {
             writeln!(f, "  permeability   {k:.6e} m²")?;

@@ -28,19 +28,19 @@ pub struct Args {
     #[arg(long, default_value_t = 1000)]
     count: u32,
     /// Radii are uniform in mean·(1 ± SPREAD)
-    #[arg(long, default_value_t = 0.3)]
+    #[arg(long, default_value_t = 0.3, allow_negative_numbers = true)]
     spread: f64,
     /// Edge of the cubical box (m)
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     edge: f64,
     /// Isotropic stress (Pa)
-    #[arg(long, default_value_t = 1e4)]
+    #[arg(long, default_value_t = 1e4, allow_negative_numbers = true)]
     stress: f64,
     /// Contact modulus (Pa)
-    #[arg(long, default_value_t = 1e6)]
+    #[arg(long, default_value_t = 1e6, allow_negative_numbers = true)]
     young: f64,
     /// Friction angle while packing (degrees): low packs densely
-    #[arg(long, default_value_t = 3.0)]
+    #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
     friction: f64,
     /// Seed of the random cloud
     #[arg(long, default_value_t = 1)]
@@ -94,7 +94,10 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
 
 /// The scene up to its first compact stage.
 fn compaction_plan(args: &Args) -> Result<Plan, Error> {
-    let Some(scene) = &args.scene else { return Ok(Plan::from_toml(&scene_text(args), None)?) };
+    let Some(scene) = &args.scene else {
+        check_options(args)?;
+        return Ok(Plan::from_toml(&scene_text(args), None)?);
+    };
     let mut plan = Plan::load(scene)?;
     let compact = plan.stages.iter().position(|s| matches!(s.kind, StageKind::Compact(_)));
     let compact = compact.ok_or_else(|| {
@@ -103,6 +106,30 @@ fn compaction_plan(args: &Args) -> Result<Plan, Error> {
     })?;
     plan.stages.truncate(compact + 1);
     Ok(plan)
+}
+
+/// What a scene would refuse, in the words of the options.
+fn check_options(args: &Args) -> Result<(), InputError> {
+    let positive = |v: f64| v > 0.0 && v.is_finite();
+    let checks = [
+        ("count", f64::from(args.count), args.count >= 2, "give two spheres or more"),
+        ("spread", args.spread, (0.0..1.0).contains(&args.spread), "give 0 to less than 1"),
+        ("edge", args.edge, positive(args.edge), "give a length in m"),
+        ("stress", args.stress, positive(args.stress), "give a pressure in Pa"),
+        ("young", args.young, positive(args.young), "give a modulus in Pa"),
+        (
+            "friction",
+            args.friction,
+            (0.0..90.0).contains(&args.friction),
+            "give 0 to less than 90 degrees",
+        ),
+    ];
+    match checks.into_iter().find(|(_, _, fine, _)| !fine) {
+        Some((name, value, _, remedy)) => {
+            Err(InputError::new(format!("--{name} {value} makes no packing"), remedy))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The options as a scene, so that they meet the same checks.

@@ -61,8 +61,7 @@ impl Clock {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeStepBounds {
     /// Stability of the contacts, eq. A.2 of Caulk 2020, from the stiffness of
-    /// each sphere's live contacts (s). Where nothing touches yet, from two
-    /// contacts a sphere.
+    /// each sphere's live contacts, and of a first one of the lightest (s).
     pub contact: f64,
     /// Viscous bound, eq. A.11 of Caulk 2020 (s); `None` without fluid.
     pub viscous: Option<f64>,
@@ -72,7 +71,7 @@ impl TimeStepBounds {
     /// The bounds for the current state; `viscosity` in Pa·s.
     pub fn of(dem: &Dem, viscosity: Option<f64>) -> TimeStepBounds {
         TimeStepBounds {
-            contact: dem.contact_time_step(1.0).unwrap_or_else(|| free_time_step(dem)),
+            contact: dem.safe_time_step(1.0),
             viscous: viscosity
                 .map(|mu| viscous_time_step(&dem.particles().radius, dem.material().density, mu)),
         }
@@ -88,11 +87,4 @@ impl TimeStepBounds {
 pub fn viscous_time_step(radius: &[f64], density: f64, viscosity: f64) -> f64 {
     let smallest = radius.iter().copied().fold(f64::INFINITY, f64::min);
     2.0 * std::f64::consts::PI * density * (2.0 * smallest).powi(2) / (8000.0 * viscosity)
-}
-
-/// √(m / 2k) of the lightest sphere against its like, as if it touched two.
-fn free_time_step(dem: &Dem) -> f64 {
-    let (particles, young) = (dem.particles(), dem.material().young);
-    let ratio = particles.mass.iter().zip(&particles.radius).map(|(m, r)| m / (2.0 * young * r));
-    ratio.fold(f64::INFINITY, f64::min).sqrt()
 }

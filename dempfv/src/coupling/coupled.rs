@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::phases::{Phase, Phases};
 use crate::dem::Dem;
-use crate::pfv::{Flow, Fluid};
+use crate::pfv::{BuildTimes, Flow, Fluid};
 use crate::solver::SolverKind;
 use crate::{Aabb, Result, Vec3};
 
@@ -139,10 +139,7 @@ impl Coupled {
         let mut flow =
             Flow::new(&state.position, radius, state.bounds, &saturation.fluid, saturation.solver)?;
         flow.resume(&state.solution);
-        let times = flow.build_times();
-        self.phases.add(Phase::Network, times.network);
-        self.phases.add(Phase::Analyze, times.analyze);
-        self.phases.add(Phase::Factor, times.factor);
+        self.book_flow(flow.build_times());
         if saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }
@@ -166,6 +163,13 @@ impl Coupled {
         self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
         self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         Ok(())
+    }
+
+    /// Books what building a network took.
+    pub(super) fn book_flow(&mut self, times: BuildTimes) {
+        self.phases.add(Phase::Network, times.network);
+        self.phases.add(Phase::Analyze, times.analyze);
+        self.phases.add(Phase::Factor, times.factor);
     }
 
     /// Runs dry mechanics and books their time.
@@ -202,6 +206,12 @@ impl Coupled {
     /// Largest imbalance of fluid mass of any step ([`Flow::imbalance`]).
     pub fn largest_imbalance(&self) -> f64 {
         self.largest_imbalance
+    }
+
+    /// Goes on from the largest residual and imbalance of an earlier session.
+    pub(super) fn remember_worst(&mut self, residual: f64, imbalance: f64) {
+        self.largest_residual = residual;
+        self.largest_imbalance = imbalance;
     }
 
     /// Where the time went.

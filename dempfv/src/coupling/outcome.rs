@@ -49,6 +49,8 @@ pub struct Compaction {
 /// Load and unload cycles between two stresses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoadCycles {
+    /// The wall that was loaded.
+    pub wall: WallId,
     /// Secant modulus of the last loading (Pa): the oedometric modulus.
     pub modulus_pa: f64,
     /// Secant modulus of the last unloading (Pa).
@@ -76,6 +78,10 @@ pub struct PermeabilityTest {
     pub kozeny_carman_m2: f64,
     /// Porosity (1).
     pub porosity: f64,
+    /// Pores of the network.
+    pub pores: u64,
+    /// Unknown pressures of it.
+    pub unknowns: u64,
     /// Residual of the solve (1).
     pub residual: f64,
 }

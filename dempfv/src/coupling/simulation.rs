@@ -37,6 +37,8 @@ pub struct State {
     stage_start: (u64, f64),
     outcomes: Vec<StageOutcome>,
     remeshes: u64,
+    largest_residual: f64,
+    largest_imbalance: f64,
     dem: DemState,
     fluid: Option<FluidState>,
 }
@@ -88,6 +90,10 @@ impl Simulation {
             setup::options(&plan),
         )?;
         let mut coupled = Coupled::new(dem);
+        coupled.remember_worst(state.largest_residual, state.largest_imbalance);
+        // So that it can be observed before its first step; the step itself
+        // finds this done.
+        coupled.dem.compute_contacts()?;
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
             active.restore(&mut coupled, &plan, &stage.kind)?;
@@ -171,6 +177,16 @@ impl Simulation {
         self.plan.stages.get(self.stage)
     }
 
+    /// Name of the stage that did the last step; of the first stage before it.
+    pub fn last_stage(&self) -> &str {
+        let done = self.outcomes.iter().rev().find(|o| o.steps > 0);
+        match (self.stage(), done) {
+            (Some(stage), _) if self.stage_steps() > 0 => &stage.name,
+            (_, Some(outcome)) => &outcome.name,
+            (stage, None) => stage.map_or("", |s| &s.name),
+        }
+    }
+
     /// How much of the current stage is done, 0 to 1; `None` where that cannot
     /// be known.
     pub fn stage_progress(&self) -> Option<f64> {
@@ -236,6 +252,8 @@ impl Simulation {
             stage_start: self.stage_start,
             outcomes: self.outcomes.clone(),
             remeshes: self.remeshes(),
+            largest_residual: self.coupled.largest_residual(),
+            largest_imbalance: self.coupled.largest_imbalance(),
             dem: self.coupled.dem.state(),
             fluid: self.coupled.fluid_state(),
         }
@@ -285,10 +303,10 @@ fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
     Ok(())
 }
 
-/// The last finished measurement of the oedometric modulus.
-pub(super) fn last_cycles(outcomes: &[StageOutcome]) -> Option<&LoadCycles> {
+/// The last finished measurement of the oedometric modulus along an axis.
+pub(super) fn last_cycles(outcomes: &[StageOutcome], axis: Axis) -> Option<&LoadCycles> {
     outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Cycle(cycles) => Some(cycles),
+        Outcome::Cycle(cycles) if Axis::of(cycles.wall) == axis => Some(cycles),
         _ => None,
     })
 }

@@ -163,8 +163,7 @@ impl GrowthCompaction {
         let factor = (1.0 + missing * (largest - 1.0)).max(0.9);
         dem.scale_radii(factor)?;
         let safety = self.options.time_step_safety;
-        self.dt =
-            dem.contact_time_step(safety).unwrap_or(f64::INFINITY).min(lone_contact(dem, safety));
+        self.dt = dem.safe_time_step(safety);
         Ok(())
     }
 
@@ -175,14 +174,4 @@ impl GrowthCompaction {
         }
         Err(DemError::NotSettled { steps, stress, goal: self.options.stress, unbalanced })
     }
-}
-
-/// The contact time step (s) of the lightest sphere with a single contact:
-/// what a contact that has yet to form will ask for at least.
-fn lone_contact(dem: &Dem, safety: f64) -> f64 {
-    let p = dem.particles();
-    let frequency2 = (p.radius.iter().zip(&p.mass))
-        .map(|(&r, m)| dem.law.pair_stiffness(r, r) / m)
-        .fold(0.0, f64::max);
-    safety * (2.0 / frequency2).sqrt()
 }

@@ -118,6 +118,19 @@ impl Dem {
         (fastest > 0.0).then(|| safety * (2.0 / fastest).sqrt())
     }
 
+    /// The time step (s) that holds until contacts form anew, times `safety`:
+    /// [`Dem::contact_time_step`], or that of the lightest sphere with a
+    /// single contact where it is less: a sphere that touches nothing may
+    /// touch something before the next look.
+    pub fn safe_time_step(&self, safety: f64) -> f64 {
+        let p = self.particles();
+        let frequency2 = (p.radius.iter().zip(&p.mass))
+            .map(|(&r, m)| self.law.pair_stiffness(r, r) / m)
+            .fold(0.0, f64::max);
+        let lone = safety * (2.0 / frequency2).sqrt();
+        self.contact_time_step(safety).map_or(lone, |dt| dt.min(lone))
+    }
+
     /// Adds a contact's share to the sums of one of its spheres: the diagonal
     /// of the stiffness, and that of the rotational stiffness over r².
     fn add_stiffness(&self, [k, k_r]: &mut [Vec3; 2], c: &Contact) {

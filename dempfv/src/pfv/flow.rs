@@ -204,6 +204,7 @@ impl Flow {
         if solution.len() == self.solution.len() {
             self.solution.copy_from_slice(solution);
             self.operators.pressures(&self.solution, &mut self.pressure);
+            self.update_force();
         }
     }
 

@@ -24,8 +24,6 @@ pub struct Operators {
     pub unknown_of: Vec<u32>,
     /// Wall that imposes a pore's pressure, by its index; 6 for none.
     imposed_by: Vec<u8>,
-    /// Inflow from pores with imposed pressure, per unknown (m³/s).
-    inflow: Vec<f64>,
     outlets: Outlets,
     boundary: Boundary,
     volume: VolumeRate,
@@ -68,14 +66,13 @@ impl Operators {
             }
         }
         check_reach(network, &imposed_by)?;
-        let (matrix, inflow) = assemble(network, &boundary, &imposed_by, &unknown_of, &pore_of);
+        let matrix = assemble(network, &unknown_of, &pore_of);
         Ok(Operators {
             matrix,
             pore_of,
             unknown_of,
             outlets: Outlets::new(network, &imposed_by),
             imposed_by,
-            inflow,
             boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
@@ -113,12 +110,6 @@ impl Operators {
             sum
         };
         for_each(out, &|i, v| *v = rate(i));
-    }
-
-    /// Right-hand side of the pressure equation, per unknown (m³/s):
-    /// `-V̇ + Q`, with the inflow from pores of imposed pressure.
-    pub fn right_hand_side(&self, volume_rate: &[f64], out: &mut [f64]) {
-        for_each(out, &|u, b| *b = self.inflow[u] - volume_rate[self.pore_of[u] as usize]);
     }
 
     /// Spreads the solution over all pores, imposed ones included (Pa).
@@ -262,17 +253,11 @@ fn check_reach(network: &Network, imposed_by: &[u8]) -> Result<(), PfvError> {
     }
 }
 
-fn assemble(
-    network: &Network,
-    boundary: &Boundary,
-    imposed_by: &[u8],
-    unknown_of: &[u32],
-    pore_of: &[u32],
-) -> (SymmetricCsc, Vec<f64>) {
+fn assemble(network: &Network, unknown_of: &[u32], pore_of: &[u32]) -> SymmetricCsc {
     let columns: Vec<Column> = pore_of
         .par_iter()
         .enumerate()
-        .map(|(u, &i)| Column::new(network, boundary, imposed_by, unknown_of, u as u32, i as usize))
+        .map(|(u, &i)| Column::new(network, unknown_of, u as u32, i as usize))
         .collect();
     let mut col_ptr = Vec::with_capacity(columns.len() + 1);
     let entries: usize = columns.iter().map(|c| c.count + 1).sum();
@@ -287,53 +272,32 @@ fn assemble(
         }
     }
     col_ptr.push(row_idx.len() as i64);
-    let inflow = columns.iter().map(|c| c.inflow).collect();
-    (SymmetricCsc { n: columns.len(), col_ptr, row_idx, values }, inflow)
+    SymmetricCsc { n: columns.len(), col_ptr, row_idx, values }
 }
 
 /// One column of `G`: at most four neighbours.
 struct Column {
     diagonal: f64,
-    inflow: f64,
     below: [(u32, f64); 4],
     count: usize,
 }
 
 impl Column {
-    fn new(
-        network: &Network,
-        boundary: &Boundary,
-        imposed_by: &[u8],
-        unknown_of: &[u32],
-        u: u32,
-        i: usize,
-    ) -> Column {
-        let mut column = Column { diagonal: 0.0, inflow: 0.0, below: [(0, 0.0); 4], count: 0 };
+    fn new(network: &Network, unknown_of: &[u32], u: u32, i: usize) -> Column {
+        let mut column = Column { diagonal: 0.0, below: [(0, 0.0); 4], count: 0 };
         for (j, g) in network.tessellation.neighbors[i].into_iter().zip(network.conductances_of(i))
         {
             if j == NONE {
                 continue;
             }
             column.diagonal += g;
-            let wall = imposed_by[j as usize] as usize;
-            if let Some(p) = boundary.pressure.get(wall).copied().flatten() {
-                column.inflow += g * p;
-            } else if unknown_of[j as usize] > u {
-                column.add(unknown_of[j as usize], g);
+            let row = unknown_of[j as usize];
+            if row != NONE && row > u {
+                column.below[column.count] = (row, g);
+                column.count += 1;
             }
         }
         column.below[..column.count].sort_unstable_by_key(|(row, _)| *row);
         column
-    }
-
-    /// Two pores may share more than one facet.
-    fn add(&mut self, row: u32, g: f64) {
-        let here = self.below[..self.count].iter_mut().find(|(r, _)| *r == row);
-        if let Some((_, sum)) = here {
-            *sum += g;
-        } else {
-            self.below[self.count] = (row, g);
-            self.count += 1;
-        }
     }
 }

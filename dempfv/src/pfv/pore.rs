@@ -1,8 +1,15 @@
 //! A pore: its centre, its volume and how the volume changes when the
 //! vertices move.
 
+use nalgebra::Matrix3;
+
 use super::frame::{FACETS, Frame, Vertex};
 use crate::{Vec3, WallId};
+
+/// A pore at walls is flat below this ratio of its equations' determinant to
+/// their sizes. Where spheres stand in rows, the bulge of the walls in the
+/// triangulation lets it find pores that are flat between planes.
+const FLAT: f64 = 1e-5;
 
 /// Centre, volume and volume gradient of one pore.
 pub(super) struct Pore {
@@ -86,7 +93,24 @@ fn power_center(frame: &Frame, roles: &Roles) -> Vec3 {
     }
     let [a, b, c] = row;
     let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
-    x0 + (rhs[0] * bc + rhs[1] * ca + rhs[2] * ab) / a.dot(&bc)
+    let determinant = a.dot(&bc);
+    if roles.count < 4 && determinant.abs() <= FLAT * a.norm() * b.norm() * c.norm() {
+        return flat_center(roles, x0, row, rhs);
+    }
+    x0 + (rhs[0] * bc + rhs[1] * ca + rhs[2] * ab) / determinant
+}
+
+/// The point nearest to the middle of a flat pore's spheres that lies on its
+/// walls and has equal power as far as the spheres' line tells: across that
+/// line nothing is known, and round-off would choose.
+fn flat_center(roles: &Roles, x0: Vec3, row: [Vec3; 3], rhs: [f64; 3]) -> Vec3 {
+    let spheres = &roles.spheres[..roles.count];
+    let middle = spheres.iter().map(|(_, x, _)| x - x0).sum::<Vec3>() / roles.count as f64;
+    // Rows of one size, so that one bound tells flat from not.
+    let unit = Matrix3::from_rows(&row.map(|r| r.normalize().transpose()));
+    let wanted = Vec3::from_fn(|i, _| rhs[i] / row[i].norm()) - unit * middle;
+    let shift = unit.svd(true, true).solve(&wanted, FLAT.sqrt()).unwrap_or_else(|_| Vec3::zeros());
+    x0 + middle + shift
 }
 
 fn tetrahedron(roles: &Roles) -> (f64, [Vec3; 4]) {

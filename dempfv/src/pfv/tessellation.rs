@@ -10,7 +10,8 @@ use crate::WallId;
 pub const NONE: u32 = u32::MAX;
 
 /// Radius of the sphere that stands in for a wall, in units of the largest box
-/// edge. YADE uses the same, so that both find the same cells.
+/// edge. YADE takes as many times the edge along y: in boxes where that is the
+/// largest, cubes among them, both find the same cells.
 const WALL_RADIUS: f64 = 50_000.0;
 
 /// The regular triangulation of spheres and walls: the finite tetrahedra.

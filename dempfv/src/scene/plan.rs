@@ -133,7 +133,7 @@ pub struct Walls {
     /// Friction angle of the walls (rad); a contact takes the smaller of its sphere's and
     /// its wall's. Default 0.
     pub friction_angle: f64,
-    /// Largest speed of the walls of a cube under servo control (m/s), unless the stage
+    /// Cut of the speed that a servo asks for (m/s), for the walls of a cube, unless the stage
     /// says another. Default 1.
     pub max_velocity: f64,
 }
@@ -319,7 +319,7 @@ pub struct Cycle {
     pub unbalanced: f64,
     /// and with the stress within this share of its goal (1). Default 0.001.
     pub tolerance: f64,
-    /// Largest speed of the wall (m/s). Default: that of `[walls]`.
+    /// Cut of the speed that the servo asks for (m/s). Default: that of `[walls]`.
     pub max_velocity: f64,
     /// Give up after so many steps in all. Default 500,000.
     pub max_steps: u64,
@@ -346,7 +346,7 @@ pub struct Consolidate {
     pub until_tv: f64,
     /// T_v at which pressure profiles are kept, ascending (1). Default: none.
     pub profiles: Vec<f64>,
-    /// Largest speed of the wall (m/s). Default: that of `[walls]`.
+    /// Cut of the speed that the servo asks for (m/s). Default: that of `[walls]`.
     pub max_velocity: f64,
     /// Give up after so many steps. Default 5,000,000.
     pub max_steps: u64,
@@ -399,7 +399,7 @@ pub enum WallControl {
     Stress {
         /// Stress (Pa), positive in compression, contacts and fluid together.
         stress: f64,
-        /// Largest speed (m/s). Default: that of `[walls]`.
+        /// Cut of the speed that the servo asks for (m/s). Default: that of `[walls]`.
         max_velocity: f64,
     },
 }

@@ -45,7 +45,7 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
     values.clear();
     values.push(simulation.step().into());
     values.push(simulation.time().into());
-    values.push(simulation.stage().map_or("done", |s| s.name.as_str()).into());
+    values.push(simulation.last_stage().into());
     values.push(simulation.dt().into());
     values.extend(seen.size.map(Value::from));
     values.push(seen.porosity.into());

@@ -19,7 +19,7 @@ use self::recorder::Recorder;
 pub use self::summary::Report;
 use super::Context;
 use super::format::si;
-use super::output::{OutputArgs, make_folder};
+use super::output::{OutputArgs, make_folder, remove_results};
 use crate::report::progress::Progress;
 
 /// File that marks a result.
@@ -61,6 +61,9 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         None => Simulation::new(plan)?,
     };
     make_folder(&folder)?;
+    if args.restart.is_none() {
+        remove_results(&folder)?;
+    }
     let recorder = Recorder::new(&folder, &simulation, from)?;
     let mut session = Session {
         folder,
@@ -206,8 +209,8 @@ impl Session {
         ended: Result<()>,
         interrupted: bool,
     ) -> Result<Report> {
-        self.recorder.flush()?;
         let finished = ended.is_ok() && simulation.stage().is_none();
+        self.recorder.close(&simulation, finished)?;
         if ended.is_ok() && !finished {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }

@@ -66,9 +66,7 @@ impl Recorder {
         self.last_row = Some(step);
         let due = |every: u64| every > 0 && step.is_multiple_of(every);
         if due(self.history_every) {
-            let mut values = Vec::new();
-            history::row(simulation, &mut values);
-            self.history.row(&values)?;
+            self.write_row(simulation)?;
         }
         if let Some(frames) = self.frames.as_mut().filter(|f| due(f.every)) {
             frames.write(&self.folder, simulation)?;
@@ -79,8 +77,18 @@ impl Recorder {
         Ok(())
     }
 
-    /// Hands everything to the system.
-    pub fn flush(&mut self) -> Result<()> {
+    fn write_row(&mut self, simulation: &Simulation) -> Result<()> {
+        let mut values = Vec::new();
+        history::row(simulation, &mut values);
+        self.history.row(&values)
+    }
+
+    /// Hands everything to the system; a finished run ends with its last state.
+    pub fn close(&mut self, simulation: &Simulation, finished: bool) -> Result<()> {
+        let written = simulation.step().is_multiple_of(self.history_every.max(1));
+        if finished && self.history_every > 0 && !written {
+            self.write_row(simulation)?;
+        }
         self.history.flush()
     }
 }

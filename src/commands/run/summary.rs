@@ -36,10 +36,12 @@ pub struct Report {
     contacts: usize,
     /// Steps since the simulation began, restarts included.
     steps: u64,
+    steps_this_session: u64,
     model_time_s: f64,
-    /// Of this session.
+    /// Of this session, as the times below.
     wall_s: f64,
-    ms_per_step: f64,
+    /// `None` where nothing moved.
+    ms_per_step: Option<f64>,
     phases_ms: BTreeMap<&'static str, f64>,
     remeshes: u64,
     /// Largest relative residual of the first solves after factorizations.
@@ -70,7 +72,7 @@ impl Report {
     ) -> Report {
         let (plan, coupled) = (simulation.plan(), simulation.coupled());
         let seen = simulation.observe();
-        let flow = coupled.flow();
+        let (pores, unknowns) = networks(simulation);
         let wall_s = wall.as_secs_f64();
         Report {
             title: plan.title.clone(),
@@ -78,13 +80,14 @@ impl Report {
             interrupted: status.interrupted,
             error: status.error,
             particles: coupled.dem.particles().len(),
-            pores: flow.map_or(0, |f| f.network.pores()),
-            unknowns: flow.map_or(0, |f| f.operators.unknowns()),
+            pores,
+            unknowns,
             contacts: seen.contacts,
             steps: simulation.step(),
             model_time_s: simulation.time(),
             wall_s,
-            ms_per_step: 1e3 * wall_s / steps.max(1) as f64,
+            steps_this_session: steps,
+            ms_per_step: (steps > 0).then(|| 1e3 * wall_s / steps as f64),
             phases_ms: coupled.phases().in_ms().collect(),
             remeshes: simulation.remeshes(),
             largest_residual: coupled.largest_residual(),
@@ -129,6 +132,19 @@ fn with_outcomes_inline<S: Serializer>(
         model_time_s: s.model_time_s,
         outcome: &s.outcome,
     }))
+}
+
+/// Pores and unknowns of the current network; where there is none, of the
+/// last static flow.
+fn networks(simulation: &Simulation) -> (usize, usize) {
+    if let Some(flow) = simulation.coupled().flow() {
+        return (flow.network.pores(), flow.operators.unknowns());
+    }
+    let test = simulation.outcomes().iter().rev().find_map(|o| match &o.outcome {
+        Outcome::Permeability(test) => Some((test.pores as usize, test.unknowns as usize)),
+        _ => None,
+    });
+    test.unwrap_or_default()
 }
 
 /// The most memory that this process has held, in bytes.
@@ -195,15 +211,15 @@ impl fmt::Display for Report {
         let memory = self
             .peak_memory_bytes
             .map_or(String::new(), |b| format!(", at most {}", bytes(b as f64)));
-        writeln!(
-            f,
-            "\n  {} steps in {} on {} threads: {:.3} ms a step{memory}\n  {}",
-            count(self.steps),
-            duration(self.wall_s),
-            self.threads,
-            self.ms_per_step,
-            phases.join(", ")
-        )?;
+        let threads =
+            if self.threads == 1 { "1 thread" } else { &format!("{} threads", self.threads) };
+        let pace = self.ms_per_step.map_or(String::new(), |ms| {
+            format!("{} steps, {ms:.3} ms each, ", count(self.steps_this_session))
+        });
+        writeln!(f, "\n  {pace}{} on {threads}{memory}", duration(self.wall_s))?;
+        if !phases.is_empty() {
+            writeln!(f, "  {}", phases.join(", "))?;
+        }
         if !self.finished {
             writeln!(
                 f,

@@ -42,8 +42,9 @@ impl State {
         let measured = "put a cycle stage and a permeability stage of the same axis before it";
         let missing =
             |what: &str| InputError::new(format!("a consolidate stage without {what}"), measured);
-        let modulus =
-            last_cycles(context.outcomes).ok_or_else(|| missing("a measured modulus"))?.modulus_pa;
+        let modulus = last_cycles(context.outcomes, axis)
+            .ok_or_else(|| missing("a measured modulus"))?
+            .modulus_pa;
         let permeability = last_permeability(context.outcomes, axis)
             .ok_or_else(|| missing("a measured permeability along its axis"))?
             .permeability_m2;

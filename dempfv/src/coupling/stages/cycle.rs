@@ -95,6 +95,7 @@ impl State {
             (self.stress[b] - self.stress[a]) / (self.strain[b] - self.strain[a])
         };
         LoadCycles {
+            wall: self.wall,
             modulus_pa: secant(last - 2, last - 1),
             unloading_modulus_pa: secant(last - 1, last),
             strain: self.strain.clone(),

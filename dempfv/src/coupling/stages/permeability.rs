@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
 use crate::coupling::outcome::{Outcome, PermeabilityTest};
+use crate::coupling::phases::Phase;
 use crate::coupling::setup;
 use crate::pfv::{Boundary, Flow};
 use crate::scene::{self, Axis};
@@ -44,18 +45,22 @@ impl State {
             &saturation.fluid,
             saturation.solver,
         )?;
-        flow.solve_static()?;
+        context.coupled.book_flow(flow.build_times());
+        context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
         let measured = flow.permeability(lower, &saturation.fluid);
         let measured = measured
             .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
+        let dem = &context.coupled.dem;
         let porosity = dem.porosity();
         Ok(Progress::Finished(Outcome::Permeability(PermeabilityTest {
             axis: axis.name().to_owned(),
             permeability_m2: measured.value,
             flux_m3_s: measured.flux,
             imbalance: measured.imbalance,
-            kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&particles.radius)),
+            kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.particles().radius)),
             porosity,
+            pores: flow.network.pores() as u64,
+            unknowns: flow.operators.unknowns() as u64,
             residual: flow.residual().unwrap_or(0.0),
         })))
     }

@@ -125,7 +125,9 @@ impl State {
             End::Step(_, to) => Ok(context.clock.step >= to),
             // Half a time step short counts as there, so that round-off in the
             // sum of time steps adds none.
-            End::Time(_, to) => Ok(context.clock.time >= to - 0.5 * context.clock.dt),
+            End::Time(_, to) => {
+                Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
+            }
             End::Strain { goal, axis, max_steps } => {
                 let now = strain(&self.reference, &context.coupled.dem.box_())[axis];
                 self.strained = (now / goal).clamp(0.0, 1.0);
