@@ -26,6 +26,7 @@ fn all_stages(remesh: &str) -> String {
         [stage.walls]
         x_min = { velocity = 0.05 }
         y_max = { stress = 1.2e4 }
+        z_max = { stress = 1.1e4 }
     "#;
     scene(120, remesh, &format!("{COMPACT}{MEASURE}{rest}"))
 }

@@ -54,6 +54,31 @@ fn the_fluid_counts_in_the_servo() {
     assert!((stress / 5e3 - 1.0).abs() < 2e-3, "{stress}");
 }
 
+/// A wall that pushes nothing but fluid of resistance R ends up at the speed
+/// σ A / R, from either side, in as many steps as its law needs: one that knows
+/// R goes there at once.
+#[test]
+fn a_servo_on_fluid_finds_its_speed() {
+    let lone = Particles::new(vec![Vec3::repeat(0.3)], vec![0.1], 2600.0);
+    let mut dem = Dem::new(lone, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
+    let (resistance, dt) = (1e6, 1e-4);
+    let mut all = [0.0; 6];
+    all[WallId::YMax.index()] = resistance;
+    dem.set_wall_resistance(all);
+    for stress in [2e4, 1e4, 3e4] {
+        dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: 1.0 }).unwrap();
+        for _ in 0..3 {
+            let mut fluid = [Vec3::zeros(); 6];
+            fluid[WallId::YMax.index()].y = -resistance * dem.walls()[3].velocity;
+            dem.compute_contacts().unwrap();
+            dem.integrate(dt, None, Some(&fluid)).unwrap();
+        }
+        let expected = -stress * dem.box_().wall_area(WallId::YMax) / resistance;
+        let speed = dem.walls()[WallId::YMax.index()].velocity;
+        assert!((speed / expected - 1.0).abs() < 1e-9, "{speed} {expected}");
+    }
+}
+
 /// One sphere and a servo wall: the law by hand. Wanted outward shift
 /// (F − F_goal)/k, cut at 3 v Δt L_z / (L_x + L_y + L_z); shift = 0.75 wanted +
 /// 0.8 previous.

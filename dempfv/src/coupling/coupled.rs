@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::phases::{Phase, Phases};
-use crate::dem::Dem;
+use crate::dem::{Dem, WallControl};
 use crate::pfv::{BuildTimes, Flow, Fluid};
 use crate::solver::SolverKind;
-use crate::{Aabb, Result, Vec3};
+use crate::{Aabb, Result, Vec3, WallId};
 
 /// When the pore network is built anew: whichever comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,6 +48,9 @@ pub struct FluidState {
 struct Wet {
     flow: Flow,
     state: FluidState,
+    /// The fluid's resistance to each servo-controlled wall (N·s/m), once it
+    /// is known for this network.
+    resistance: [Option<f64>; 6],
 }
 
 /// Spheres, and the fluid between them where there is one.
@@ -103,6 +106,7 @@ impl Coupled {
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
         if self.saturation.is_none() {
             let dem = &mut self.dem;
+            dem.set_wall_resistance([0.0; 6]);
             return Ok(self.phases.time(Phase::Integration, || dem.integrate(dt, None, None))?);
         }
         self.remesh_if_due()?;
@@ -143,7 +147,7 @@ impl Coupled {
         if saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }
-        self.wet = Some(Wet { flow, state });
+        self.wet = Some(Wet { flow, state, resistance: [None; 6] });
         Ok(())
     }
 
@@ -155,6 +159,14 @@ impl Coupled {
             flow.update_volume_rate(&dem.particles().velocity, &walls)
         });
         phases.time(Phase::Solve, || flow.update_pressure())?;
+        for wall in WallId::ALL {
+            let servo = matches!(dem.walls()[wall.index()].control, WallControl::Servo { .. });
+            if servo && wet.resistance[wall.index()].is_none() {
+                let found = phases.time(Phase::Solve, || flow.wall_resistance(wall))?;
+                wet.resistance[wall.index()] = Some(found);
+            }
+        }
+        dem.set_wall_resistance(wet.resistance.map(|r| r.unwrap_or(0.0)));
         phases.time(Phase::FluidForces, || flow.update_force());
         for (change, rate) in wet.state.volume_change.iter_mut().zip(flow.volume_rate()) {
             *change += rate * dt;

@@ -48,6 +48,8 @@ pub struct Dem {
     /// Centre and radius of each sphere, as the contact pass reads them.
     pub(super) centre: Vec<[f64; 4]>,
     pub(super) wall_sums: [WallSum; 6],
+    /// See [`Dem::set_wall_resistance`].
+    wall_resistance: [f64; 6],
     /// Something has used up the skin.
     outdated: bool,
 }
@@ -108,6 +110,7 @@ impl Dem {
             law: material.law(&wall_material),
             forces: Forces::default(),
             wall_sums: [WallSum::ZERO; 6],
+            wall_resistance: [0.0; 6],
             outdated: true,
             particles,
             walls,
@@ -240,6 +243,7 @@ impl Dem {
             let load = WallLoad {
                 outward: -wall.inward() * force,
                 stiffness: self.wall_sums[k].stiffness,
+                resistance: self.wall_resistance[k],
                 area: box_.wall_area(wall),
                 axis_share: 3.0 * size[axis] / size.sum(),
             };
@@ -317,6 +321,13 @@ impl Dem {
         control.check()?;
         self.walls[wall.index()].set_control(control);
         Ok(())
+    }
+
+    /// Tells how much the force of the fluid on each wall changes with the
+    /// wall's velocity, against it (N·s/m); 0 for a dry wall. A servo counts on
+    /// it in the next steps; it is no part of the state.
+    pub fn set_wall_resistance(&mut self, resistance: [f64; 6]) {
+        self.wall_resistance = resistance;
     }
 
     /// Changes the friction angle between spheres (rad).

@@ -74,6 +74,8 @@ pub(super) struct WallLoad {
     pub outward: f64,
     /// Sum of the normal stiffnesses of the contacts on the wall (N/m).
     pub stiffness: f64,
+    /// What the fluid adds to the force against the wall's velocity (N·s/m).
+    pub resistance: f64,
     /// Area of the wall (m²).
     pub area: f64,
     /// 3 L_a / (L_x + L_y + L_z).
@@ -99,15 +101,25 @@ impl Wall {
             WallControl::Servo { stress, max_velocity } => {
                 let limit = max_velocity * load.axis_share * dt;
                 let excess = load.outward - stress * load.area;
+                let stiffness = load.stiffness + load.resistance / dt;
                 // A wall that touches nothing approaches at the largest speed.
-                let wanted = if load.stiffness > 0.0 {
-                    (excess / load.stiffness).clamp(-limit, limit)
+                let wanted = if stiffness > 0.0 {
+                    (excess / stiffness).clamp(-limit, limit)
                 } else if excess == 0.0 {
                     0.0
                 } else {
                     limit.copysign(excess)
                 };
-                let shift = (1.0 - SERVO_DAMPING) * wanted + SERVO_MEMORY * self.previous_shift;
+                // A fluid holds the force up while the wall moves on, so of its
+                // share the previous shift is kept and nothing is damped.
+                let wet =
+                    if load.resistance > 0.0 { load.resistance / dt / stiffness } else { 0.0 };
+                let damping = (1.0 - wet) * SERVO_DAMPING;
+                let memory = SERVO_MEMORY + wet * (1.0 - SERVO_MEMORY);
+                let mut shift = (1.0 - damping) * wanted + memory * self.previous_shift;
+                if wet > 0.0 {
+                    shift = shift.clamp(-limit, limit);
+                }
                 self.previous_shift = shift;
                 -wall.inward() * shift / dt
             }

@@ -213,6 +213,33 @@ impl Flow {
         self.operators.forces(&self.pressure, &mut self.force, &mut self.wall_force);
     }
 
+    /// How the fluid resists a wall's motion while the spheres stand still: the
+    /// force on the wall against its velocity, per velocity (N·s/m). Zero where
+    /// the pressure of all pores at the wall is imposed. Takes a solve.
+    ///
+    /// # Errors
+    /// As [`Flow::solve`].
+    pub fn wall_resistance(&mut self, wall: WallId) -> Result<f64> {
+        let Flow { network, operators, correction, rhs, .. } = self;
+        let Some(factor) = &mut self.factor else { return Ok(0.0) };
+        let spheres = vec![Vec3::zeros(); network.tessellation.spheres];
+        let mut velocity = [0.0; 6];
+        velocity[wall.index()] = 1.0;
+        let mut rate = vec![0.0; network.pores()];
+        operators.volume_rate(&spheres, &velocity, &mut rate);
+        for (b, &pore) in rhs.iter_mut().zip(&operators.pore_of) {
+            *b = -rate[pore as usize];
+        }
+        factor.solve(rhs, correction)?;
+        let mut pressure = vec![0.0; network.pores()];
+        for (p, &pore) in correction.iter().zip(&operators.pore_of) {
+            pressure[pore as usize] = *p;
+        }
+        let (mut force, mut wall_force) = (spheres, [Vec3::zeros(); 6]);
+        operators.forces(&pressure, &mut force, &mut wall_force);
+        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
+    }
+
     /// Pressure of each pore (Pa).
     pub fn pressure(&self) -> &[f64] {
         &self.pressure
