@@ -43,7 +43,8 @@ impl State {
             dem.box_(),
             &saturation.fluid,
             saturation.solver,
-        )?;
+        )
+        .map_err(|e| setup::with_users_numbers(e, particles))?;
         flow.solve_static()?;
         let measured = flow.permeability(lower, &saturation.fluid);
         let measured = measured
