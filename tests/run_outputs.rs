@@ -101,6 +101,13 @@ fn a_network_can_be_checked_by_its_reader() {
     assert_eq!(n["force"].as_array().unwrap().len(), 1001);
     assert_eq!(numbers(&n["force"][1000]), [0.0; 3]);
 
+    // A run knows it by the same number, though it keeps spheres in another order.
+    let text = "[particles]\npacking = \"p.txt\"\n[dem]\ndt = 1e-9\n[fluid]\nviscosity = 1e-3\n\
+                pressure = { y_max = 0 }\n[[stage]]\nkind = \"run\"\nsteps = 1\n";
+    folder.write("scene.toml", text);
+    folder.done(&["run", "scene.toml", "--out", "out"]);
+    assert_eq!(folder.json("out/summary.json")["hidden"], n["hidden"]);
+
     let cells: Vec<Vec<String>> = n["cells"]
         .as_array()
         .unwrap()

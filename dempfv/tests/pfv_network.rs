@@ -183,6 +183,10 @@ fn an_isolated_pore_is_named() {
     let n = Network::new(&s.x, &s.r, s.bounds, &closed).unwrap();
     let error = Operators::new(&n, closed.boundary).unwrap_err();
     assert!(matches!(error, PfvError::IsolatedPore { pore: 0, others: 7, .. }), "{error}");
+    // The sphere has the number that its owner gave it.
+    assert!(error.to_string().split(['(', ',', ')', ' ']).any(|w| w == "0"), "{error}");
+    let error = error.with_numbers(&[17]).to_string();
+    assert!(error.contains("17") && error.contains("_min"), "{error}");
 }
 
 /// No spheres and coordinates that are no numbers are errors and not panics.

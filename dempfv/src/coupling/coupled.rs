@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::phases::{Phase, Phases};
+use super::setup::with_users_numbers;
 use crate::dem::{Dem, WallControl};
 use crate::pfv::{BuildTimes, Flow, Fluid};
 use crate::solver::SolverKind;
@@ -139,9 +140,10 @@ impl Coupled {
 
     /// Builds the network for the positions that a fluid state names.
     fn mesh(&mut self, saturation: Saturation, mut state: FluidState) -> Result<()> {
-        let radius = &self.dem.particles().radius;
-        let mut flow =
-            Flow::new(&state.position, radius, state.bounds, &saturation.fluid, saturation.solver)?;
+        let particles = self.dem.particles();
+        let Saturation { fluid, solver, .. } = saturation;
+        let mut flow = Flow::new(&state.position, &particles.radius, state.bounds, &fluid, solver)
+            .map_err(|e| with_users_numbers(e, particles))?;
         flow.resume(&state.solution);
         self.book_flow(flow.build_times());
         if saturation.remesh.strain.is_some() && state.volume_change.is_empty() {

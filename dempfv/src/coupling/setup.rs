@@ -6,7 +6,7 @@ use crate::dem::{
 };
 use crate::pfv;
 use crate::scene::{self, ParticleSource, Plan, Sizes};
-use crate::{Aabb, InputError, Result, Vec3};
+use crate::{Aabb, Error, InputError, Result, Vec3};
 
 /// The spheres that a plan starts from, and their box (m): read from its
 /// packing file, or drawn with its seed.
@@ -80,5 +80,14 @@ pub(super) fn saturation(fluid: &scene::Fluid) -> Saturation {
         },
         solver: fluid.solver,
         remesh: RemeshRule { interval: fluid.remesh_interval, strain: fluid.remesh_strain },
+    }
+}
+
+/// An error of the pore network with the user's numbers of the spheres, which
+/// the mechanics keeps in another order.
+pub(super) fn with_users_numbers(error: Error, particles: &dem::Particles) -> Error {
+    match error {
+        Error::Pfv(error) => Error::Pfv(error.with_numbers(&particles.id)),
+        other => other,
     }
 }

@@ -1,5 +1,35 @@
 //! What can be wrong with a pore network.
 
+use std::fmt;
+
+use crate::WallId;
+
+/// The vertices of a pore, for messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PoreVertices(pub [PoreVertex; 4]);
+
+/// A vertex of a pore.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoreVertex {
+    /// The sphere with this number.
+    Sphere(u32),
+    /// A wall.
+    Wall(WallId),
+}
+
+impl fmt::Display for PoreVertices {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, vertex) in self.0.iter().enumerate() {
+            f.write_str(if k == 0 { "" } else { ", " })?;
+            match vertex {
+                PoreVertex::Sphere(number) => number.fmt(f)?,
+                PoreVertex::Wall(wall) => f.write_str(wall.name())?,
+            }
+        }
+        Ok(())
+    }
+}
+
 /// The pore network cannot be built or used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -23,16 +53,16 @@ pub enum PfvError {
     BadPore {
         /// The pore.
         pore: u32,
-        /// Its vertices, by name.
-        vertices: String,
+        /// Its vertices.
+        vertices: PoreVertices,
     },
     /// A pore's geometry or a throat's conductance is not finite.
     #[error("pore {pore} (vertices {vertices}): {quantity} is not finite")]
     NotFinite {
         /// The pore.
         pore: u32,
-        /// Its vertices, by name.
-        vertices: String,
+        /// Its vertices.
+        vertices: PoreVertices,
         /// What is not finite.
         quantity: &'static str,
     },
@@ -44,8 +74,8 @@ pub enum PfvError {
     IsolatedPore {
         /// One of the isolated pores.
         pore: u32,
-        /// Its vertices, by name.
-        vertices: String,
+        /// Its vertices.
+        vertices: PoreVertices,
         /// How many more are isolated.
         others: usize,
     },
@@ -55,4 +85,23 @@ pub enum PfvError {
         /// The pore.
         pore: u32,
     },
+}
+
+impl PfvError {
+    /// The same error where sphere `i` has the number `number[i]`: the user's,
+    /// when the network was built of spheres in another order.
+    #[must_use]
+    pub fn with_numbers(mut self, number: &[u32]) -> PfvError {
+        if let PfvError::BadPore { vertices, .. }
+        | PfvError::NotFinite { vertices, .. }
+        | PfvError::IsolatedPore { vertices, .. } = &mut self
+        {
+            for vertex in &mut vertices.0 {
+                if let PoreVertex::Sphere(sphere) = vertex {
+                    *sphere = number.get(*sphere as usize).copied().unwrap_or(*sphere);
+                }
+            }
+        }
+        self
+    }
 }

@@ -24,7 +24,7 @@ mod tessellation;
 mod throat;
 
 pub use clamp::Clamp;
-pub use error::PfvError;
+pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{BuildTimes, Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 

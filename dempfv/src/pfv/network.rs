@@ -119,7 +119,7 @@ fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Vec<Pore>, PfvError
     let pores: Vec<Option<Pore>> = t.cells.par_iter().map(|&cell| Pore::new(frame, cell)).collect();
     let mut out = Vec::with_capacity(pores.len());
     for (i, pore) in pores.into_iter().enumerate() {
-        let name = || t.cell_name(i as u32);
+        let name = || t.vertices_of(i as u32);
         let pore = pore.ok_or_else(|| PfvError::BadPore { pore: i as u32, vertices: name() })?;
         if !pore.center.iter().chain([&pore.volume]).all(|v| v.is_finite()) {
             return Err(PfvError::NotFinite {
@@ -197,7 +197,7 @@ fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Resu
             let pore = places[k].pores[0];
             Err(PfvError::NotFinite {
                 pore,
-                vertices: t.cell_name(pore),
+                vertices: t.vertices_of(pore),
                 quantity: "a throat's conductance",
             })
         }

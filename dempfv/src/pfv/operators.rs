@@ -247,7 +247,7 @@ fn check_reach(network: &Network, imposed_by: &[u8]) -> Result<(), PfvError> {
         None => Ok(()),
         Some(pore) => Err(PfvError::IsolatedPore {
             pore: pore as u32,
-            vertices: network.tessellation.cell_name(pore as u32),
+            vertices: network.tessellation.vertices_of(pore as u32),
             others: reached.iter().filter(|&&r| !r).count() - 1,
         }),
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::PfvError;
+use super::error::{PfvError, PoreVertex, PoreVertices};
 use super::frame::Frame;
 use crate::WallId;
 
@@ -53,22 +53,17 @@ impl Tessellation {
         })
     }
 
-    /// A vertex's name: the sphere's number or the wall's name.
-    pub fn vertex_name(&self, vertex: u32) -> String {
-        match self.wall(vertex) {
-            Some(wall) => wall.name().to_owned(),
-            None => vertex.to_string(),
-        }
-    }
-
     /// The wall that a vertex stands for, if it is one.
     pub fn wall(&self, vertex: u32) -> Option<WallId> {
         (vertex as usize).checked_sub(self.spheres).and_then(|w| WallId::ALL.get(w).copied())
     }
 
-    /// The names of a cell's vertices, for messages.
-    pub fn cell_name(&self, cell: u32) -> String {
-        self.cells[cell as usize].map(|v| self.vertex_name(v)).join(", ")
+    /// The vertices of a cell, for messages.
+    pub(super) fn vertices_of(&self, cell: u32) -> PoreVertices {
+        PoreVertices(self.cells[cell as usize].map(|v| match self.wall(v) {
+            Some(wall) => PoreVertex::Wall(wall),
+            None => PoreVertex::Sphere(v),
+        }))
     }
 }
 

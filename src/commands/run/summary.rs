@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use dempfv::coupling::{Consolidation, Outcome, Simulation, StageOutcome};
+use dempfv::coupling::{Consolidation, Coupled, Outcome, Simulation, StageOutcome};
 use serde::{Serialize, Serializer};
 
 use crate::commands::doctor;
@@ -33,6 +33,8 @@ pub struct Report {
     particles: usize,
     pores: usize,
     unknowns: usize,
+    /// Spheres that are a vertex of no pore, by the user's numbers.
+    hidden: Vec<u32>,
     contacts: usize,
     /// Steps since the simulation began, restarts included.
     steps: u64,
@@ -82,6 +84,7 @@ impl Report {
             particles: coupled.dem.particles().len(),
             pores,
             unknowns,
+            hidden: hidden(coupled),
             contacts: seen.contacts,
             steps: simulation.step(),
             model_time_s: simulation.time(),
@@ -109,6 +112,15 @@ impl Report {
             _ => None,
         })
     }
+}
+
+fn hidden(coupled: &Coupled) -> Vec<u32> {
+    let Some(flow) = coupled.flow() else { return vec![] };
+    let id = &coupled.dem.particles().id;
+    let mut numbers: Vec<u32> =
+        flow.network.tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
+    numbers.sort_unstable();
+    numbers
 }
 
 /// Stages with what they found out as one more key each, `consolidate` for

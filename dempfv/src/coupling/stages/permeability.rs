@@ -44,7 +44,8 @@ impl State {
             dem.box_(),
             &saturation.fluid,
             saturation.solver,
-        )?;
+        )
+        .map_err(|e| setup::with_users_numbers(e, particles))?;
         context.coupled.book_flow(flow.build_times());
         context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
         let measured = flow.permeability(lower, &saturation.fluid);
