@@ -239,7 +239,7 @@ const FAULTS: &[Fault] = &[
         "y_max = 0.0 }",
         "y_max = 0.0, y_min = 1.0 }",
         34,
-        &["different pressures", "the same pressure"],
+        &["drains at both ends of y", "y_max or y_min only"],
     ),
     (
         "[dem]\ndt = 1.0e-4\ndamping = 0.2\ngravity = [0, 0, -9.81]\n",

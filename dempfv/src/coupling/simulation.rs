@@ -91,9 +91,6 @@ impl Simulation {
         )?;
         let mut coupled = Coupled::new(dem);
         coupled.remember_worst(state.largest_residual, state.largest_imbalance);
-        // So that it can be observed before its first step; the step itself
-        // finds this done.
-        coupled.dem.compute_contacts()?;
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
             active.restore(&mut coupled, &plan, &stage.kind)?;
