@@ -95,6 +95,9 @@ impl Simulation {
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
             active.restore(&mut coupled, &plan, &stage.kind)?;
         }
+        // So that it can be observed before its first step; the step itself
+        // finds this done. The stage has had its say on friction before.
+        coupled.dem.compute_contacts()?;
         if let (Some(fluid), Some(saved)) = (&plan.fluid, state.fluid) {
             coupled.restore_fluid(setup::saturation(fluid), saved)?;
         }

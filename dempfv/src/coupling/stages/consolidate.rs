@@ -52,8 +52,6 @@ impl State {
         let (viscosity, drained, outside) = drainage(context, plan.wall)?;
 
         let dem = &mut context.coupled.dem;
-        // A restart that begins with this stage has no contact forces yet.
-        dem.compute_contacts()?;
         let before = dem.wall_stress(plan.wall);
         dem.set_control(
             plan.wall,

@@ -43,6 +43,9 @@ pub(super) enum Active {
 
 impl Active {
     pub fn start(kind: &StageKind, context: &mut Context) -> Result<Active> {
+        // The last step of the stage before ends under its own friction, and
+        // this one knows the stresses that it starts from; after a restart too.
+        context.coupled.dem.compute_contacts()?;
         for wall in WallId::ALL {
             context.coupled.dem.set_control(wall, WallControl::Fixed)?;
         }
