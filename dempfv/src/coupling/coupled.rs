@@ -124,6 +124,8 @@ impl Coupled {
     fn remesh_if_due(&mut self) -> Result<()> {
         let Some(saturation) = self.saturation else { return Ok(()) };
         if self.wet.as_ref().is_none_or(|wet| wet.is_due(&saturation.remesh)) {
+            // Two networks at once would take twice the memory.
+            self.wet = None;
             let position = self.dem.particles().position.clone();
             let fresh = FluidState {
                 position,
