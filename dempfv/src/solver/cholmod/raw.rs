@@ -37,6 +37,8 @@ thread_local! {
 }
 
 /// Keeps what CHOLMOD would print.
+///
+/// SAFETY: only CHOLMOD calls it, with a message that is null or ends in NUL.
 unsafe extern "C" fn keep_complaint(
     _status: c_int,
     _file: *const c_char,
