@@ -18,8 +18,9 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
     };
-    let result =
-        Context::new(&cli.options).and_then(|context| commands::execute(cli.command, &context));
+    let result = Context::new(&cli.options)
+        .map_err(commands::Error::from)
+        .and_then(|context| commands::execute(cli.command, &context));
     match result {
         Ok(status) => status,
         Err(error) => {

@@ -6,9 +6,11 @@
 //! [`Command`] and one line of [`execute`].
 
 pub mod check;
+pub mod compare;
 mod context;
 mod describe;
 pub mod doctor;
+mod error;
 mod format;
 pub mod network;
 pub mod output;
@@ -21,7 +23,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 pub use context::{Context, Options};
-use dempfv::Error;
+pub use error::Error;
 
 /// Simulates saturated granular matter: spheres in contact (DEM), coupled to the flow
 /// through the pores between them (PFV).
@@ -51,6 +53,8 @@ pub enum Command {
     Permeability(permeability::Args),
     /// Solve a Matrix Market system with each solver: times, fill, residual
     Solve(solve::Args),
+    /// Compare with another program on the same input, side by side in one run
+    Compare(compare::Args),
     /// Show library versions, cores, memory and GPU, and what to install
     Doctor(doctor::Args),
 }
@@ -80,6 +84,11 @@ pub fn execute(command: Command, context: &Context) -> Result<ExitCode, Error> {
         Command::Network(args) => context.deliver(&network::run(&args, context)?)?,
         Command::Permeability(args) => context.deliver(&permeability::run(&args)?)?,
         Command::Solve(args) => context.deliver(&solve::run(&args)?)?,
+        Command::Compare(args) => {
+            let report = compare::run(&args)?;
+            context.deliver(&report)?;
+            report.judge()?;
+        }
         Command::Doctor(args) => context.deliver(&doctor::run(&args)?)?,
     }
     Ok(status)

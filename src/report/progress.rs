@@ -51,6 +51,19 @@ impl Progress {
         self.next = now;
     }
 
+    /// Something goes on elsewhere for a while; the line shows what, and for how long.
+    pub fn wait(&mut self, what: &str) {
+        self.begin(what, 0, false);
+        self.bar.enable_steady_tick(BLINK);
+    }
+
+    /// What was waited for is done: its line stays.
+    pub fn waited(&mut self) {
+        let time = self.start.1.elapsed().as_secs_f64();
+        self.bar.println(format!("{:<32} {time:.1} s", self.stage));
+        self.bar.finish_and_clear();
+    }
+
     /// The run is at this step, with this share of the stage done (where known). `value`
     /// says what is of interest ("T_v 0.31", "σ 9.8 kPa"); it is asked only when the line
     /// is redrawn, some ten times a second.

@@ -1,0 +1,160 @@
+//! `dempfv compare`: other programs on the same input, side by side in one run.
+
+mod bench;
+mod coupled;
+mod dry;
+mod network;
+mod ours;
+mod page;
+mod peer;
+mod time;
+mod verdict;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use dempfv::InputError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use self::bench::Bench;
+use self::verdict::Verdict;
+use super::Error;
+use super::output::{OutputArgs, make_folder};
+use crate::report::table::table;
+
+/// File that marks a result.
+const PAGE: &str = "yade.md";
+/// The packings that are compared when none is named, as they lie in a checkout.
+const PACKINGS: [&str; 3] =
+    ["packings/oedometer-1000.txt", "packings/oedometer-5000.txt", "packings/oedometer-20000.txt"];
+
+/// What `compare` takes.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    with: Peer,
+}
+
+/// The programs that there is a comparison with.
+#[derive(clap::Subcommand)]
+enum Peer {
+    /// Pore networks, mechanics, coupled runs and times beside Debian's YADE
+    Yade(YadeArgs),
+}
+
+/// What the comparison with YADE takes.
+#[derive(clap::Args)]
+struct YadeArgs {
+    /// Packing files; those that the project ships if none is given
+    packings: Vec<PathBuf>,
+    /// Only these parts of the comparison
+    #[arg(long = "part", value_name = "PART", value_enum)]
+    parts: Vec<PartName>,
+    /// The program to compare with
+    #[arg(long, value_name = "PROGRAM", default_value = "yade")]
+    yade: PathBuf,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// The parts of the comparison.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum PartName {
+    /// The pore network and its static flow, pore for pore
+    Network,
+    /// Loading without fluid
+    Dry,
+    /// Loading with fluid
+    Coupled,
+    /// Time per step and phase, and memory
+    Time,
+}
+
+/// One part of the comparison: measured, judged and shown.
+trait Part: Serialize + DeserializeOwned {
+    /// Name of its file, and of its logs.
+    const NAME: &'static str;
+
+    /// Runs both programs.
+    fn measure(bench: &Bench, packings: &[PathBuf]) -> Result<Self, Error>;
+
+    /// What was compared, with the bound that each has to keep.
+    fn verdicts(&self) -> Vec<Verdict>;
+
+    /// Its section of the report, in Markdown; its figures go into the folder.
+    fn section(&self, folder: &Path) -> Result<String, Error>;
+}
+
+/// How the comparison came out.
+#[derive(Serialize)]
+pub struct Report {
+    yade: String,
+    verdicts: Vec<Verdict>,
+    page: PathBuf,
+}
+
+impl Report {
+    /// What the program ends with after the report: an error when something lies
+    /// outside its bounds and nothing explains why.
+    pub fn judge(&self) -> Result<(), Error> {
+        match self.verdicts.iter().filter(|v| v.fails()).count() {
+            0 => Ok(()),
+            count => Err(Error::Differs { count, page: self.page.clone() }),
+        }
+    }
+}
+
+/// Runs both programs on the same input and writes the report.
+///
+/// # Errors
+/// What is wrong in the options; or which step of the comparison failed, and where the
+/// log of it is.
+pub fn run(args: &Args) -> Result<Report, Error> {
+    let Peer::Yade(args) = &args.with;
+    let packings = packings(&args.packings)?;
+    let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
+    let yade = peer::Yade::find(&args.yade)?;
+    make_folder(&folder)?;
+    let bench = Bench::new(folder, yade, args.output.force)?;
+    let mut page = page::Page::new(&bench);
+    for part in [PartName::Network, PartName::Dry, PartName::Coupled, PartName::Time] {
+        if !args.parts.is_empty() && !args.parts.contains(&part) {
+            continue;
+        }
+        match part {
+            PartName::Network => page.add::<network::Part>(&bench, &packings)?,
+            PartName::Dry => page.add::<dry::Part>(&bench, &packings)?,
+            PartName::Coupled => page.add::<coupled::Part>(&bench, &packings)?,
+            PartName::Time => page.add::<time::Part>(&bench, &packings)?,
+        }
+    }
+    let path = bench.folder.join(PAGE);
+    let verdicts = page.write(&path)?;
+    Ok(Report { yade: bench.yade.version.clone(), verdicts, page: path })
+}
+
+/// The packings to compare on, by absolute path: the other program runs elsewhere.
+fn packings(named: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
+    let shipped = PACKINGS.map(PathBuf::from);
+    let wanted = if named.is_empty() { &shipped[..] } else { named };
+    let found = wanted.iter().map(|path| {
+        std::path::absolute(path).and_then(|p| p.metadata().map(|_| p)).map_err(|e| {
+            let remedy = match named.is_empty() {
+                true => "name packings, or start in a checkout of the project",
+                false => "name packing files",
+            };
+            InputError::new(format!("{}: {e}", path.display()), remedy)
+        })
+    });
+    found.collect()
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "YADE {} beside dempfv {}\n", self.yade, env!("CARGO_PKG_VERSION"))?;
+        let rows: Vec<Vec<String>> = self.verdicts.iter().map(Verdict::row).collect();
+        write!(f, "{}", table(&Verdict::HEADER, &rows))?;
+        writeln!(f, "\n  written        {}", self.page.display())
+    }
+}

@@ -1,0 +1,44 @@
+//! The report: one section for each part.
+
+use std::path::{Path, PathBuf};
+
+use dempfv::io::atomic;
+
+use super::Part;
+use super::bench::Bench;
+use super::verdict::Verdict;
+use crate::commands::Error;
+
+/// The report while it grows.
+pub struct Page {
+    text: String,
+    verdicts: Vec<Verdict>,
+}
+
+impl Page {
+    /// The head of the report.
+    pub fn new(bench: &Bench) -> Page {
+        Page { text: format!("# dempfv beside YADE {}\n", bench.yade.version), verdicts: vec![] }
+    }
+
+    /// Measures a part, or takes what was measured before, and adds its section.
+    ///
+    /// # Errors
+    /// Those of the part.
+    pub fn add<P: Part>(&mut self, bench: &Bench, packings: &[PathBuf]) -> Result<(), Error> {
+        let part = bench.remembered(P::NAME, &packings, || P::measure(bench, packings))?;
+        self.text.push('\n');
+        self.text += &part.section(&bench.folder)?;
+        self.verdicts.extend(part.verdicts());
+        Ok(())
+    }
+
+    /// Writes the report; returns what was judged.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn write(self, path: &Path) -> Result<Vec<Verdict>, Error> {
+        atomic::write(path, self.text.as_bytes())?;
+        Ok(self.verdicts)
+    }
+}

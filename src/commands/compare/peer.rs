@@ -1,0 +1,161 @@
+//! Starts YADE on a script of ours, and takes its result.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::bench::Bench;
+use crate::commands::{Error, context};
+
+/// What every script begins with.
+const COMMON: &str = include_str!("scripts/common.py");
+
+/// YADE on this machine.
+pub struct Yade {
+    program: PathBuf,
+    /// Its version, as it says itself: `2023.02a` on Debian 12.
+    pub version: String,
+}
+
+/// What a script hands back.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Answer<T> {
+    /// What it was asked for.
+    pub result: T,
+    /// The most memory that the process held (bytes).
+    pub peak_memory_bytes: u64,
+}
+
+impl Yade {
+    /// Asks the program for its version.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it is not there or is something else.
+    pub fn find(program: &Path) -> Result<Yade, Error> {
+        let fails = |what: String| Error::Peer { step: "yade --version".into(), what, log: None };
+        let output =
+            Command::new(program).arg("--version").stdin(Stdio::null()).output().map_err(|e| {
+                let program = program.display();
+                fails(format!("{program} does not start: {e}; install Debian's package `yade`"))
+            })?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let version = text.lines().find_map(|line| line.strip_prefix("Yade version:"));
+        match version.map(str::trim).filter(|v| output.status.success() && !v.is_empty()) {
+            Some(version) => Ok(Yade { program: program.to_owned(), version: version.to_owned() }),
+            None => {
+                let (program, said) = (program.display(), text.lines().next().unwrap_or("nothing"));
+                let end = ending(output.status);
+                Err(fails(format!(
+                    "{program} says `{said}` and {end}, where YADE names its version; \
+                     name YADE with --yade"
+                )))
+            }
+        }
+    }
+}
+
+impl Bench {
+    /// Runs a script in YADE. It finds its job as the dictionary `job`, and ends with
+    /// `finish(result)`.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when YADE does not start, crashes, or its result is none; its log
+    /// is kept.
+    pub fn yade<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        script: &str,
+        threads: usize,
+        job: &impl Serialize,
+    ) -> Result<Answer<T>, Error> {
+        let script = format!("{COMMON}\n{script}");
+        let mut command = Command::new(&self.yade.program);
+        command.arg(format!("-j{threads}")).args(["-n", "-x"]);
+        self.script(step, "YADE", command, &script, threads, job)
+    }
+
+    /// Runs a script in Debian's Python, which has what YADE depends on; in the same way.
+    ///
+    /// # Errors
+    /// As [`yade`](Bench::yade).
+    pub fn python<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        script: &str,
+        job: &impl Serialize,
+    ) -> Result<Answer<T>, Error> {
+        let script = format!("{COMMON}\n{script}");
+        self.script(step, "Python", Command::new("/usr/bin/python3"), &script, 1, job)
+    }
+
+    fn script<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        program: &str,
+        mut command: Command,
+        script: &str,
+        threads: usize,
+        job: &impl Serialize,
+    ) -> Result<Answer<T>, Error> {
+        let jobs = self.folder.join("jobs");
+        let result = jobs.join(format!("{step}.result.json"));
+        let input = jobs.join(format!("{step}.json"));
+        let path = self.write(&format!("jobs/{step}.py"), script)?;
+        context::write_json(&input, job)?;
+        // The result of an earlier call must not pass for that of this one.
+        let _ = std::fs::remove_file(&result);
+        command.arg(&path).env("DEMPFV_JOB", &input).env("DEMPFV_RESULT", &result);
+        for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"] {
+            command.env(name, threads.to_string());
+        }
+        let log = self.run_logged(step, program, &mut command)?;
+        let wrong = |what: String| Error::Peer {
+            step: step.to_owned(),
+            what: format!("{program} {what}"),
+            log: Some(log.clone()),
+        };
+        let text =
+            std::fs::read(&result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
+        serde_json::from_slice(&text)
+            .map_err(|e| wrong(format!("left something unexpected in {}: {e}", result.display())))
+    }
+
+    /// Runs a program to its end, with what it prints in a log; returns the log.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it does not start or does not end well.
+    pub fn run_logged(
+        &self,
+        step: &str,
+        program: &str,
+        command: &mut Command,
+    ) -> Result<PathBuf, Error> {
+        let path = self.folder.join("logs").join(format!("{step}.log"));
+        let io = |e| dempfv::Error::io(&path, e);
+        let log = File::create(&path).map_err(io)?;
+        let errors = log.try_clone().map_err(io)?;
+        command.stdin(Stdio::null()).stdout(log).stderr(errors);
+        let wrong = |what: String, log| Error::Peer { step: step.to_owned(), what, log };
+        let status = self
+            .step(step, || command.status())
+            .map_err(|e| wrong(format!("{program} does not start: {e}"), None))?;
+        match status.success() {
+            true => Ok(path),
+            false => Err(wrong(format!("{program} {}", ending(status)), Some(path.clone()))),
+        }
+    }
+}
+
+/// How a program ended, in words.
+fn ending(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt;
+    match (status.code(), status.signal()) {
+        (Some(0), _) => "ends well".to_owned(),
+        (Some(code), _) => format!("ends with status {code}"),
+        (None, Some(11)) => "crashes (segmentation fault)".to_owned(),
+        (None, signal) => format!("is ended by signal {}", signal.unwrap_or(0)),
+    }
+}
