@@ -33,26 +33,38 @@ struct Point<T> {
 }
 
 impl Bench {
-    /// Makes the folders; with `force`, forgets what was measured before.
+    /// Makes the folders.
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn new(folder: PathBuf, yade: Yade, force: bool) -> Result<Bench, Error> {
-        let io = |path: &Path, e| dempfv::Error::io(path, e);
+    pub fn new(folder: PathBuf, yade: Yade) -> Result<Bench, Error> {
         for name in FOLDERS {
             let path = folder.join(name);
-            if force && path.exists() {
-                std::fs::remove_dir_all(&path).map_err(|e| io(&path, e))?;
-            }
-            std::fs::create_dir_all(&path).map_err(|e| io(&path, e))?;
+            std::fs::create_dir_all(&path).map_err(|e| dempfv::Error::io(&path, e))?;
         }
         let key = format!("YADE {}, {:?}", yade.version, doctor::versions());
         Ok(Bench { folder, yade, key })
     }
 
-    /// What `measure` returns, or what it returned in an earlier call that did not come
-    /// to its end. `input` is everything that the value depends on beside the versions
-    /// of both programs.
+    /// Forgets the points whose names begin like this.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn forget(&self, prefix: &str) -> Result<(), Error> {
+        let points = self.folder.join("points");
+        let entries = std::fs::read_dir(&points).map_err(|e| dempfv::Error::io(&points, e))?;
+        for path in entries.flatten().map(|e| e.path()) {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if name.starts_with(prefix) {
+                std::fs::remove_file(&path).map_err(|e| dempfv::Error::io(&path, e))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What `measure` returns, or what it returned in an earlier call. `input` is
+    /// everything that the value depends on beside the versions of both programs. The name
+    /// begins with that of its part.
     ///
     /// # Errors
     /// Those of `measure`, and when the value cannot be kept.
@@ -62,18 +74,38 @@ impl Bench {
         input: &impl Serialize,
         measure: impl FnOnce() -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let path = self.folder.join("points").join(format!("{name}.json"));
-        let input = serde_json::to_string(input).map_err(|e| dempfv::Error::io(&path, e.into()))?;
-        let key = format!("{}; {input}", self.key);
-        let kept = std::fs::read(&path).ok();
-        let kept = kept.and_then(|text| serde_json::from_slice::<Point<T>>(&text).ok());
-        if let Some(point) = kept.filter(|point| point.key == key) {
-            return Ok(point.value);
+        if let Some(value) = self.known(name, input)? {
+            return Ok(value);
         }
         let value = measure()?;
-        let point = Point { key, value };
-        context::write_json(&path, &point)?;
+        let point = Point { key: self.key(input)?, value };
+        context::write_json(&self.point(name), &point)?;
         Ok(point.value)
+    }
+
+    /// What an earlier call measured on the same input.
+    ///
+    /// # Errors
+    /// When the input cannot be written as JSON.
+    pub fn known<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        input: &impl Serialize,
+    ) -> Result<Option<T>, Error> {
+        let key = self.key(input)?;
+        let kept = std::fs::read(self.point(name)).ok();
+        let kept = kept.and_then(|text| serde_json::from_slice::<Point<T>>(&text).ok());
+        Ok(kept.filter(|point| point.key == key).map(|point| point.value))
+    }
+
+    fn point(&self, name: &str) -> PathBuf {
+        self.folder.join("points").join(format!("{name}.json"))
+    }
+
+    fn key(&self, input: &impl Serialize) -> Result<String, Error> {
+        let input = serde_json::to_string(input)
+            .map_err(|e| dempfv::Error::io(self.folder.join("points"), e.into()))?;
+        Ok(format!("{}; {input}", self.key))
     }
 
     /// A file in a folder of the comparison, written at once.

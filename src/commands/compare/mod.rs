@@ -48,7 +48,7 @@ enum Peer {
 struct YadeArgs {
     /// Packing files; those that the project ships if none is given
     packings: Vec<PathBuf>,
-    /// Only these parts of the comparison
+    /// Measure only these parts; the report also shows the others where they are known
     #[arg(long = "part", value_name = "PART", value_enum)]
     parts: Vec<PartName>,
     /// The program to compare with
@@ -116,19 +116,14 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
     let yade = peer::Yade::find(&args.yade)?;
     make_folder(&folder)?;
-    let bench = Bench::new(folder, yade, args.output.force)?;
+    let bench = Bench::new(folder, yade)?;
     let mut page = page::Page::new(&bench);
-    for part in [PartName::Network, PartName::Dry, PartName::Coupled, PartName::Time] {
-        if !args.parts.is_empty() && !args.parts.contains(&part) {
-            continue;
-        }
-        match part {
-            PartName::Network => page.add::<network::Part>(&bench, &packings)?,
-            PartName::Dry => page.add::<dry::Part>(&bench, &packings)?,
-            PartName::Coupled => page.add::<coupled::Part>(&bench, &packings)?,
-            PartName::Time => page.add::<time::Part>(&bench, &packings)?,
-        }
-    }
+    let force = args.output.force;
+    let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
+    page.add::<network::Part>(&bench, &packings, chosen(PartName::Network), force)?;
+    page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
+    page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;
+    page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;
     let path = bench.folder.join(PAGE);
     let verdicts = page.write(&path)?;
     Ok(Report { yade: bench.yade.version.clone(), verdicts, page: path })

@@ -21,12 +21,28 @@ impl Page {
         Page { text: format!("# dempfv beside YADE {}\n", bench.yade.version), verdicts: vec![] }
     }
 
-    /// Measures a part, or takes what was measured before, and adds its section.
+    /// Adds the section of a part. A chosen one is measured unless it was measured before;
+    /// with `force` in any case. One that is not chosen is shown if it is known.
     ///
     /// # Errors
     /// Those of the part.
-    pub fn add<P: Part>(&mut self, bench: &Bench, packings: &[PathBuf]) -> Result<(), Error> {
-        let part = bench.remembered(P::NAME, &packings, || P::measure(bench, packings))?;
+    pub fn add<P: Part>(
+        &mut self,
+        bench: &Bench,
+        packings: &[PathBuf],
+        chosen: bool,
+        force: bool,
+    ) -> Result<(), Error> {
+        if chosen && force {
+            bench.forget(P::NAME)?;
+        }
+        let part = match chosen {
+            true => bench.remembered(P::NAME, &packings, || P::measure(bench, packings))?,
+            false => match bench.known::<P>(P::NAME, &packings)? {
+                Some(part) => part,
+                None => return Ok(()),
+            },
+        };
         self.text.push('\n');
         self.text += &part.section(&bench.folder)?;
         self.verdicts.extend(part.verdicts());
