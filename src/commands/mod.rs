@@ -5,6 +5,7 @@
 //! [`Serialize`](serde::Serialize) (for programs, `--json`). It becomes one variant of
 //! [`Command`] and one line of [`execute`].
 
+mod bench;
 pub mod check;
 pub mod compare;
 mod context;

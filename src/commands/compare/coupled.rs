@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::bench::Bench;
+use super::peer::Bench;
 use super::verdict::Verdict;
 use crate::commands::Error;
 

@@ -1,10 +1,8 @@
 //! `dempfv compare`: other programs on the same input, side by side in one run.
 
-mod bench;
 mod coupled;
 mod dry;
 mod network;
-mod ours;
 mod page;
 mod peer;
 mod time;
@@ -17,7 +15,7 @@ use dempfv::InputError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use self::bench::Bench;
+use self::peer::Bench;
 use self::verdict::Verdict;
 use super::Error;
 use super::output::{OutputArgs, make_folder};
@@ -116,7 +114,8 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
     let yade = peer::Yade::find(&args.yade)?;
     make_folder(&folder)?;
-    let bench = Bench::new(folder, yade)?;
+    let versions = format!("YADE {}", yade.version);
+    let bench = Bench::new(folder, yade, &versions)?;
     let mut page = page::Page::new(&bench);
     let force = args.output.force;
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
@@ -126,7 +125,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;
     let path = bench.folder.join(PAGE);
     let verdicts = page.write(&path)?;
-    Ok(Report { yade: bench.yade.version.clone(), verdicts, page: path })
+    Ok(Report { yade: bench.peer.version.clone(), verdicts, page: path })
 }
 
 /// The packings to compare on, by absolute path: the other program runs elsewhere.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use dempfv::io::atomic;
 
 use super::Part;
-use super::bench::Bench;
+use super::peer::Bench;
 use super::verdict::Verdict;
 use crate::commands::Error;
 
@@ -18,7 +18,7 @@ pub struct Page {
 impl Page {
     /// The head of the report.
     pub fn new(bench: &Bench) -> Page {
-        Page { text: format!("# dempfv beside YADE {}\n", bench.yade.version), verdicts: vec![] }
+        Page { text: format!("# dempfv beside YADE {}\n", bench.peer.version), verdicts: vec![] }
     }
 
     /// Adds the section of a part. A chosen one is measured unless it was measured before;

@@ -1,17 +1,19 @@
 //! Starts YADE on a script of ours, and takes its result.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::bench::Bench;
+use crate::commands::bench::{self, ending};
 use crate::commands::{Error, context};
 
 /// What every script begins with.
 const COMMON: &str = include_str!("scripts/common.py");
+
+/// A workplace with YADE.
+pub type Bench = bench::Bench<Yade>;
 
 /// YADE on this machine.
 pub struct Yade {
@@ -72,7 +74,7 @@ impl Bench {
         job: &impl Serialize,
     ) -> Result<Answer<T>, Error> {
         let script = format!("{COMMON}\n{script}");
-        let mut command = Command::new(&self.yade.program);
+        let mut command = Command::new(&self.peer.program);
         command.arg(format!("-j{threads}")).args(["-n", "-x"]);
         self.script(step, "YADE", command, &script, threads, job)
     }
@@ -121,41 +123,5 @@ impl Bench {
             std::fs::read(&result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
         serde_json::from_slice(&text)
             .map_err(|e| wrong(format!("left something unexpected in {}: {e}", result.display())))
-    }
-
-    /// Runs a program to its end, with what it prints in a log; returns the log.
-    ///
-    /// # Errors
-    /// [`Error::Peer`] when it does not start or does not end well.
-    pub fn run_logged(
-        &self,
-        step: &str,
-        program: &str,
-        command: &mut Command,
-    ) -> Result<PathBuf, Error> {
-        let path = self.folder.join("logs").join(format!("{step}.log"));
-        let io = |e| dempfv::Error::io(&path, e);
-        let log = File::create(&path).map_err(io)?;
-        let errors = log.try_clone().map_err(io)?;
-        command.stdin(Stdio::null()).stdout(log).stderr(errors);
-        let wrong = |what: String, log| Error::Peer { step: step.to_owned(), what, log };
-        let status = self
-            .step(step, || command.status())
-            .map_err(|e| wrong(format!("{program} does not start: {e}"), None))?;
-        match status.success() {
-            true => Ok(path),
-            false => Err(wrong(format!("{program} {}", ending(status)), Some(path.clone()))),
-        }
-    }
-}
-
-/// How a program ended, in words.
-fn ending(status: ExitStatus) -> String {
-    use std::os::unix::process::ExitStatusExt;
-    match (status.code(), status.signal()) {
-        (Some(0), _) => "ends well".to_owned(),
-        (Some(code), _) => format!("ends with status {code}"),
-        (None, Some(11)) => "crashes (segmentation fault)".to_owned(),
-        (None, signal) => format!("is ended by signal {}", signal.unwrap_or(0)),
     }
 }

@@ -1,26 +1,29 @@
-//! Where a comparison works: its folder, the other program, ours, and what was measured
-//! before.
+//! Where measurements are made: a folder, the programs that run in it with their logs,
+//! and what was measured before.
 
-use std::path::{Path, PathBuf};
+mod ours;
+
+use std::fs::File;
+use std::path::PathBuf;
+use std::process::{Command, ExitStatus, Stdio};
 
 use dempfv::io::atomic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::peer::Yade;
-use crate::commands::context;
-use crate::commands::{Error, doctor};
+pub use self::ours::{History, Run};
+use super::{Error, context, doctor};
 use crate::report::progress::Progress;
 
 /// Folders below that of the results.
 const FOLDERS: [&str; 5] = ["jobs", "logs", "points", "runs", "scenes"];
 
-/// The workplace of a comparison.
-pub struct Bench {
+/// The workplace of a series of measurements, perhaps with another program beside ours.
+pub struct Bench<P = ()> {
     /// Folder of the results.
     pub folder: PathBuf,
     /// The other program.
-    pub yade: Yade,
+    pub peer: P,
     /// What holds of the whole run and makes older measurements useless when it changes.
     key: String,
 }
@@ -32,18 +35,18 @@ struct Point<T> {
     value: T,
 }
 
-impl Bench {
-    /// Makes the folders.
+impl<P> Bench<P> {
+    /// Makes the folders. `versions`: those of the other program.
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn new(folder: PathBuf, yade: Yade) -> Result<Bench, Error> {
+    pub fn new(folder: PathBuf, peer: P, versions: &str) -> Result<Bench<P>, Error> {
         for name in FOLDERS {
             let path = folder.join(name);
             std::fs::create_dir_all(&path).map_err(|e| dempfv::Error::io(&path, e))?;
         }
-        let key = format!("YADE {}, {:?}", yade.version, doctor::versions());
-        Ok(Bench { folder, yade, key })
+        let key = format!("{versions}, {:?}", doctor::versions());
+        Ok(Bench { folder, peer, key })
     }
 
     /// Forgets the points whose names begin like this.
@@ -125,5 +128,41 @@ impl Bench {
         let out = work();
         progress.waited();
         out
+    }
+
+    /// Runs a program to its end, with what it prints in a log; returns the log.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it does not start or does not end well.
+    pub fn run_logged(
+        &self,
+        step: &str,
+        program: &str,
+        command: &mut Command,
+    ) -> Result<PathBuf, Error> {
+        let path = self.folder.join("logs").join(format!("{step}.log"));
+        let io = |e| dempfv::Error::io(&path, e);
+        let log = File::create(&path).map_err(io)?;
+        let errors = log.try_clone().map_err(io)?;
+        command.stdin(Stdio::null()).stdout(log).stderr(errors);
+        let wrong = |what: String, log| Error::Peer { step: step.to_owned(), what, log };
+        let status = self
+            .step(step, || command.status())
+            .map_err(|e| wrong(format!("{program} does not start: {e}"), None))?;
+        match status.success() {
+            true => Ok(path),
+            false => Err(wrong(format!("{program} {}", ending(status)), Some(path.clone()))),
+        }
+    }
+}
+
+/// How a program ended, in words.
+pub fn ending(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt;
+    match (status.code(), status.signal()) {
+        (Some(0), _) => "ends well".to_owned(),
+        (Some(code), _) => format!("ends with status {code}"),
+        (None, Some(11)) => "crashes (segmentation fault)".to_owned(),
+        (None, signal) => format!("is ended by signal {}", signal.unwrap_or(0)),
     }
 }

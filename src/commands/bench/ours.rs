@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::bench::Bench;
+use super::Bench;
 use crate::commands::Error;
 
 /// A run of ours.
@@ -40,7 +40,7 @@ impl History {
     }
 }
 
-impl Bench {
+impl<P> Bench<P> {
     /// Carries out a scene with our own program; `summary.json` and `history.csv` stay in
     /// `runs/STEP`.
     ///
