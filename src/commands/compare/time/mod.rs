@@ -89,6 +89,10 @@ impl super::Part for Part {
         vec![]
     }
 
+    fn headline(&self) -> Option<String> {
+        section::headline(self)
+    }
+
     fn section(&self, folder: &Path) -> Result<String, Error> {
         section::write(self, folder)
     }

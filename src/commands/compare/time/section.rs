@@ -26,6 +26,27 @@ pub fn write(part: &Part, folder: &Path) -> Result<String, Error> {
     Ok(text)
 }
 
+/// The ratios of the times per step.
+pub fn headline(part: &Part) -> Option<String> {
+    let ratios: Vec<String> = part
+        .cases
+        .iter()
+        .map(|case| {
+            let [yade, ours] = [case.yade, case.ours].map(|side| side.times.per_step(INTERVAL));
+            let (spheres, threads) = (count(case.spheres as u64), threads(case.threads));
+            format!("{} ({spheres} spheres, {threads})", ratio(yade, ours))
+        })
+        .collect();
+    let list = ratios.join(", ");
+    (!ratios.is_empty())
+        .then(|| format!("time: a coupled step takes YADE so many times longer: {list}"))
+}
+
+/// A number of threads in words.
+fn threads(n: usize) -> String {
+    if n == 1 { "1 thread".to_owned() } else { format!("{n} threads") }
+}
+
 const INTRODUCTION: &str = "\
 ## Time and memory
 
@@ -102,9 +123,8 @@ fn phases(cases: &[Case]) -> String {
         first.steps
     );
     for case in cases {
-        let n = case.threads;
-        let unit = if n == 1 { "thread" } else { "threads" };
-        text += &format!(" | YADE, {n} {unit} | dempfv, {n} {unit} | YADE/dempfv");
+        let threads = threads(case.threads);
+        text += &format!(" | YADE, {threads} | dempfv, {threads} | YADE/dempfv");
     }
     text += &format!(" |\n|:--{} |\n", " | --: | --: | --:".repeat(cases.len()));
     for (name, value) in ROWS {
@@ -138,10 +158,10 @@ fn slower(part: &Part) -> String {
             let [yade, ours] = [case.yade, case.ours].map(|side: Side| value(&side.times));
             if ours > yade {
                 found.push(format!(
-                    "- {}, {} spheres, {} thread(s): {} ms against {} ms",
+                    "- {}, {} spheres, {}: {} ms against {} ms",
                     name.trim_matches('*'),
                     count(case.spheres as u64),
-                    case.threads,
+                    threads(case.threads),
                     three_digits(ours),
                     three_digits(yade)
                 ));
@@ -195,19 +215,18 @@ fn trials(part: &Part) -> String {
 
 /// Time per step over the number of spheres, both programs, each number of threads.
 fn draw(part: &Part, folder: &Path) -> Result<(), Error> {
-    let mut threads: Vec<usize> = part.cases.iter().map(|c| c.threads).collect();
-    threads.sort_unstable();
-    threads.dedup();
+    let mut numbers: Vec<usize> = part.cases.iter().map(|c| c.threads).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
     let mut curves = Vec::new();
     for (program, color) in [("YADE", SERIES[1]), ("dempfv", SERIES[0])] {
-        for &n in &threads {
+        for &n in &numbers {
             let cases: Vec<&Case> = part.cases.iter().filter(|c| c.threads == n).collect();
             let x: Vec<f64> = cases.iter().map(|c| c.spheres as f64).collect();
             let side = |c: &Case| if program == "YADE" { c.yade } else { c.ours };
             let y: Vec<f64> = cases.iter().map(|c| side(c).times.per_step(INTERVAL)).collect();
-            let unit = if n == 1 { "thread" } else { "threads" };
-            let dash = (n == 1 && threads.len() > 1).then_some([5.0, 3.0]);
-            curves.push((format!("{program}, {n} {unit}"), x, y, color, dash));
+            let dash = (n == 1 && numbers.len() > 1).then_some([5.0, 3.0]);
+            curves.push((format!("{program}, {}", threads(n)), x, y, color, dash));
         }
     }
     let series: Vec<Series> = curves
