@@ -102,7 +102,7 @@ fn head(yade: &str, libraries: &BTreeMap<String, String>) -> String {
     );
     let rows = [
         ("version", format!("{} ({})", ours("dempfv"), ours("git")), yade),
-        ("compiler", ours("rustc").to_owned(), theirs("compiler")),
+        ("compiler", format!("rustc {}", ours("rustc")), theirs("compiler")),
         ("CGAL", ours("cgal").to_owned(), theirs("cgal")),
         (
             "SuiteSparse (CHOLMOD)",
@@ -110,7 +110,8 @@ fn head(yade: &str, libraries: &BTreeMap<String, String>) -> String {
             theirs("suitesparse"),
         ),
         ("METIS", ours("metis").to_owned(), theirs("metis")),
-        ("BLAS", ours("blas").to_owned(), theirs("openblas")),
+        // Without the options that it was built with.
+        ("BLAS", ours("blas").split(" NO_").next().unwrap_or("").to_owned(), theirs("openblas")),
     ];
     for (name, ours, theirs) in rows {
         text += &format!("| {name} | {ours} | {theirs} |\n");

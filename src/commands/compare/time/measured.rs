@@ -89,3 +89,33 @@ impl Times {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_summary_is_taken_apart() {
+        let summary = json!({
+            "steps": 10, "remeshes": 2, "wall_s": 0.2,
+            "phases_ms": {
+                "contacts": 10.0, "integration": 20.0, "volume_rates": 30.0, "solve": 40.0,
+                "fluid_forces": 5.0, "network": 20.0, "analyze": 12.0, "factor": 8.0,
+            },
+        });
+        let times = Times::from_summary(&summary).unwrap();
+        let step = Step {
+            contacts: 1.0,
+            integration: 2.0,
+            volumes: 3.0,
+            solve: 4.0,
+            forces: 0.5,
+            all: 16.0,
+        };
+        assert_eq!(times, Times { step, remesh: Remesh { factor: 10.0, all: 20.0 } });
+        assert_eq!((times.step.other(), times.remesh.network()), (5.5, 10.0));
+        let error = Times::from_summary(&json!({ "steps": 1, "remeshes": 1 })).unwrap_err();
+        assert!(error.contains("`network`"), "{error}");
+    }
+}

@@ -49,12 +49,12 @@ const MESHED: f64 = 0.05;
 const WALL: &str = "wall";
 
 impl Record {
-    /// Times per step and per remesh.
+    /// Times per step and per remesh of a run of so many steps.
     ///
     /// # Errors
     /// What is missing or has another form than expected.
-    pub fn times(&self) -> Result<Times, String> {
-        self.check()?;
+    pub fn times(&self, steps: u64) -> Result<Times, String> {
+        self.check(steps)?;
         let steps: Vec<Clocks> = (0..self.clock_s.len()).map(|i| self.step(i)).collect();
         let meshed = |s: &Clocks| MESHING.iter().map(|name| s[*name]).sum::<f64>() > MESHED;
         // A mesh at the end of a step is factorized in the step after.
@@ -94,13 +94,13 @@ impl Record {
     }
 
     /// All clocks are there, for every step.
-    fn check(&self) -> Result<(), String> {
-        let steps = self.clock_s.len();
-        if steps < 3 || self.engines_ns.len() != steps || self.flow_ns.len() != steps {
+    fn check(&self, steps: u64) -> Result<(), String> {
+        let clocked = [self.clock_s.len(), self.engines_ns.len(), self.flow_ns.len()];
+        if clocked.iter().any(|&n| n as u64 != steps) {
+            let [all, engines, flow] = clocked;
             return Err(format!(
-                "clocked {steps} steps, {} times its engines and {} times its flow engine",
-                self.engines_ns.len(),
-                self.flow_ns.len()
+                "made {all} steps of {steps}, and read its engines' clocks {engines} times, those of \
+                 the flow engine {flow} times"
             ));
         }
         let missing = |names: &[String], wanted: &[&str]| {
@@ -133,5 +133,85 @@ impl Record {
         let wall = if i > 0 { 1e3 * (self.clock_s[i] - self.clock_s[i - 1]) } else { 0.0 };
         clocks.insert(WALL.to_owned(), wall - clocks[READER]);
         clocks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOW: [&str; 6] =
+        ["Position buffer", "Triangulating", VOLUMES, SOLVE, FORCES, "triangulate + init volumes"];
+
+    /// A run of YADE's form: networks at steps 0 and 4, factorized at 0 and 5; 1 ms in each
+    /// engine but for the flow engine, 0.5 ms nowhere, and 2 ms for reading the clocks.
+    fn record() -> Record {
+        let engine_names: Vec<String> =
+            ENGINES.iter().chain([&READER]).map(|name| (*name).to_owned()).collect();
+        let (mut clock, mut engines, mut flow) = (5.0, [0.0; 7], [0.0; 6]);
+        let mut record = Record {
+            clock_s: vec![],
+            engine_names,
+            engines_ns: vec![],
+            flow_names: FLOW.map(str::to_owned).to_vec(),
+            flow_ns: vec![],
+            pores: 7,
+            base_memory_bytes: 1,
+        };
+        for step in 0..8 {
+            let mut parts = [0.1, 0.0, 0.2, 3.0, 0.4, 0.001];
+            match step {
+                0 => (parts[1], parts[3], parts[4]) = (30.0, 53.0, 2.4),
+                4 => parts[5] = 40.001,
+                5 => (parts[3], parts[4]) = (63.0, 2.4),
+                _ => {}
+            }
+            let in_flow: f64 = parts.iter().sum();
+            let spent = [1.0, 1.0, 1.0, in_flow, 1.0, 1.0, 2.0];
+            for (clock, ms) in engines.iter_mut().zip(spent) {
+                *clock += 1e6 * ms;
+            }
+            for (clock, ms) in flow.iter_mut().zip(parts) {
+                *clock += 1e6 * ms;
+            }
+            clock += 1e-3 * (spent.iter().sum::<f64>() + 0.5);
+            record.clock_s.push(clock);
+            record.engines_ns.push(engines.to_vec());
+            record.flow_ns.push(flow.to_vec());
+        }
+        record
+    }
+
+    fn near(a: f64, b: f64) -> bool {
+        (a - b).abs() < 1e-6
+    }
+
+    /// By hand: an ordinary step has 3 ms of contacts, 2 of integration, 0.2 of volumes, 3
+    /// of the solve, and 0.1 + 0.4 + 0.001 of the rest of the flow engine. The two remeshes
+    /// take (30 + 40) / 2 to triangulate, (50 + 60) / 2 to factorize and 2 more in forces.
+    #[test]
+    fn phases_are_told_apart() {
+        let times = record().times(8).unwrap();
+        let Step { contacts, integration, volumes, solve, forces, all } = times.step;
+        assert!(near(contacts, 3.0) && near(integration, 2.0), "{times:?}");
+        assert!(near(volumes, 0.2) && near(solve, 3.0) && near(forces, 0.501), "{times:?}");
+        assert!(near(all, 9.201) && near(times.step.other(), 0.5), "{times:?}");
+        assert!(near(times.remesh.factor, 55.0) && near(times.remesh.network(), 37.0));
+        assert!(near(times.per_step(200.0), times.step.all + times.remesh.all / 200.0));
+    }
+
+    #[test]
+    fn a_record_of_another_form_is_refused() {
+        let error = |change: fn(&mut Record)| {
+            let mut record = record();
+            change(&mut record);
+            record.times(8).unwrap_err()
+        };
+        assert!(error(|r| r.clock_s.truncate(5)).contains("made 5 steps of 8"));
+        assert!(
+            error(|r| r.flow_names[3] = "Solve".into()).contains("no clock `Factorize + Solve`")
+        );
+        assert!(error(|r| r.engine_names.truncate(2)).contains("no clock `InteractionLoop`"));
+        assert!(error(|r| r.flow_ns.iter_mut().for_each(Vec::clear)).contains("no network"));
     }
 }

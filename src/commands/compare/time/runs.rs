@@ -44,6 +44,8 @@ pub fn specimens(bench: &Bench, packings: &[PathBuf]) -> Result<Vec<Specimen>, E
             return Ok(found);
         };
         let path = bench.folder.join("scenes").join(format!("tiled-{}.txt", radius.len()));
+        // A scene looks for it from its own folder.
+        let path = std::path::absolute(&path).map_err(|e| dempfv::Error::io(&path, e))?;
         packing::write(&path, &position, &radius, Some(&bounds), "2 × 2 × 2 copies; metres")?;
         found.push(Specimen { spheres: radius.len(), path, bounds });
     }
@@ -135,7 +137,7 @@ impl Job {
         let step = format!("time-{spheres}-{threads}-solver{solver}-blas{blas_threads}-run{run}");
         bench.remembered(&step, self, || {
             let answer = bench.yade::<Record>(&step, SCRIPT, self.threads, self)?;
-            let times = answer.result.times().map_err(|what| Error::Peer {
+            let times = answer.result.times(self.steps).map_err(|what| Error::Peer {
                 step: step.clone(),
                 what: format!("YADE {what}"),
                 log: Some(bench.folder.join("logs").join(format!("{step}.log"))),

@@ -62,10 +62,10 @@ step, with its collider's first sort, is not counted; ours is.
 
 /// Time per step, remeshes included, and memory: the figures to quote.
 fn summary(part: &Part) -> String {
-    let mut text = format!(
+    let mut text =
         "| spheres | pores | threads | YADE, ms a step | dempfv, ms a step | YADE/dempfv | \
-         YADE, memory | dempfv, memory |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n"
-    );
+                    YADE, memory | dempfv, memory |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n"
+            .to_owned();
     for case in &part.cases {
         let times = [case.yade, case.ours].map(|side| side.times.per_step(INTERVAL));
         text += &format!(
