@@ -9,11 +9,15 @@ export PATH := $(HOME)/.cargo/bin:$(PATH)
 PACKAGES := libsuitesparse-dev libmetis-dev libopenblas-dev libcgal-dev libclang-dev g++ pkg-config
 # What reads the VTK files back in the tests.
 TEST_PACKAGES := python3-venv
+# What the comparison runs beside ours, and what checks both.
+YADE_PACKAGES := yade python3-numpy python3-mpmath
 
 DEMO := out/oedometer
+COMPARISON := out/compare-yade
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test package-test bench install-packages install-test-packages
+.PHONY: help build demo test lint vtk-test demo-test package-test \
+	compare-yade yade-test bench install-packages install-test-packages install-yade
 
 help: ## List these commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -46,6 +50,19 @@ demo-test: demo install-test-packages
 package-test: install-packages
 	cargo package --workspace --locked --allow-dirty
 
+compare-yade: build install-yade ## Run YADE on the same input, side by side; writes docs/yade.md (long)
+	$(DEMPFV) compare yade --out $(COMPARISON) --force
+	mkdir -p docs/yade
+	rm -f docs/yade/*.png
+	cp $(COMPARISON)/yade/*.png docs/yade/
+	cp $(COMPARISON)/yade.md docs/yade.md
+	@echo "Report: docs/yade.md, its figures in docs/yade/"
+
+# The comparison on the two smallest packings, times left out; fails where a bound does.
+yade-test: build install-yade
+	$(DEMPFV) compare yade packings/oedometer-1000.txt packings/oedometer-5000.txt \
+	    --part network --part dry --part coupled --out out/yade-test --force
+
 bench: install-packages ## Time a step, a network, a solve, by criterion
 	cargo bench --workspace --locked
 
@@ -54,3 +71,6 @@ install-packages:
 
 install-test-packages:
 	@tests/install.sh $(TEST_PACKAGES)
+
+install-yade:
+	@tests/install.sh $(YADE_PACKAGES)

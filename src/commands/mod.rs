@@ -13,6 +13,7 @@ mod describe;
 pub mod doctor;
 mod error;
 mod format;
+mod machine;
 pub mod network;
 pub mod output;
 pub mod pack;

@@ -18,6 +18,9 @@ use crate::{Aabb, InputError, Result, Vec3};
 const LINE_FORM: &str = "a line is `x y z r` in metres, separated by blanks";
 const BOX_FORM: &str = "the form is `# box xmin ymin zmin xmax ymax zmax` in metres";
 
+/// Spheres are numbered in 32 bits, walls and one number for none behind them.
+const TOO_MANY: u64 = u32::MAX as u64 - 8;
+
 /// The spheres of a packing file, in the file's order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Packing {
@@ -126,6 +129,48 @@ impl Packing {
     /// `None` when there is neither.
     pub fn bounds_or_tight(&self) -> Option<Aabb> {
         self.bounds.or_else(|| Aabb::of_spheres(&self.position, &self.radius))
+    }
+
+    /// Copies side by side, so many along each axis, in the box that holds them all.
+    ///
+    /// The first spheres are those of the packing itself; copies follow along x, then y,
+    /// then z. Spheres that press into a wall of the packing come to press into those
+    /// behind it, by no more than both press into the wall.
+    ///
+    /// ```
+    /// use dempfv::io::packing::Packing;
+    /// let one = Packing::parse("# box 0 0 0 1 1 2\n.5 .5 .5 .1\n")?;
+    /// let four = one.tiled([2, 1, 2])?;
+    /// assert_eq!((four.len(), four.bounds.unwrap().volume()), (4, 8.0));
+    /// assert_eq!(four.position[3].as_slice(), [1.5, 0.5, 2.5]);
+    /// # Ok::<(), dempfv::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A number of copies is 0, or there are more spheres than fit 32-bit numbers.
+    pub fn tiled(&self, copies: [u32; 3]) -> Result<Packing, InputError> {
+        let count =
+            copies.iter().map(|&n| u64::from(n)).try_fold(self.len() as u64, u64::checked_mul);
+        let [nx, ny, nz] = copies;
+        let (Some(1..=TOO_MANY), Some(bounds)) = (count, self.bounds_or_tight()) else {
+            let what =
+                format!("{nx} × {ny} × {nz} copies of {} spheres make no packing", self.len());
+            return Err(InputError::new(what, format!("give one sphere to {TOO_MANY} in all")));
+        };
+        let mut tiled = Packing::default();
+        let size = bounds.size();
+        for (i, j, k) in
+            (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j, k))))
+        {
+            let shift = size.component_mul(&Vec3::new(i.into(), j.into(), k.into()));
+            tiled.position.extend(self.position.iter().map(|x| x + shift));
+            tiled.radius.extend(&self.radius);
+            tiled.line.extend(&self.line);
+        }
+        let copies = Vec3::new(nx.into(), ny.into(), nz.into());
+        tiled.bounds =
+            Some(Aabb { min: bounds.min, max: bounds.min + size.component_mul(&copies) });
+        Ok(tiled)
     }
 }
 

@@ -80,7 +80,13 @@ trait Part: Serialize + DeserializeOwned {
     /// What was compared, with the bound that each has to keep.
     fn verdicts(&self) -> Vec<Verdict>;
 
-    /// Its section of the report, in Markdown; its figures go into the folder.
+    /// What else a reader should know first, in one line.
+    fn headline(&self) -> Option<String> {
+        None
+    }
+
+    /// Its section of the report, in Markdown; its figures go into the folder, and its
+    /// links name their files alone.
     fn section(&self, folder: &Path) -> Result<String, Error>;
 }
 
@@ -116,7 +122,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     make_folder(&folder)?;
     let versions = format!("YADE {}", yade.version);
     let bench = Bench::new(folder, yade, &versions)?;
-    let mut page = page::Page::new(&bench);
+    let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
     page.add::<network::Part>(&bench, &packings, chosen(PartName::Network), force)?;

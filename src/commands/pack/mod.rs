@@ -1,10 +1,13 @@
-//! `dempfv pack`: makes a settled packing.
+//! `dempfv pack`: makes a settled packing, or a larger one of copies.
+
+mod tile;
 
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use dempfv::coupling::{Compaction, Outcome, Simulation};
+use dempfv::dem::Dem;
 use dempfv::io::packing;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::{Error, InputError};
@@ -17,13 +20,16 @@ use super::output::{OutputArgs, make_folder};
 /// File in the output folder that holds the packing.
 const FILE: &str = "packing.txt";
 
-/// What `pack` takes: a scene with a compact stage, or the options that stand
-/// for one.
+/// What `pack` takes: a scene with a compact stage, the options that stand for
+/// one, or a packing to be copied.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Scene file with a compact stage; the packing is that stage's
-    #[arg(conflicts_with_all = ["count", "spread", "edge", "stress", "young", "friction", "seed"])]
-    scene: Option<PathBuf>,
+    /// Scene file with a compact stage; the packing is that stage's. With --tile: a packing
+    #[arg(conflicts_with_all = ["count", "spread", "edge", "seed"], value_name = "SCENE")]
+    input: Option<PathBuf>,
+    /// Put so many copies of a packing side by side along x, y and z
+    #[arg(long, num_args = 3, value_names = ["NX", "NY", "NZ"], requires = "input")]
+    tile: Option<Vec<u32>>,
     /// Number of spheres
     #[arg(long, default_value_t = 1000)]
     count: u32,
@@ -33,20 +39,27 @@ pub struct Args {
     /// Edge of the cubical box (m)
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     edge: f64,
-    /// Isotropic stress (Pa)
-    #[arg(long, default_value_t = 1e4, allow_negative_numbers = true)]
-    stress: f64,
-    /// Contact modulus (Pa)
-    #[arg(long, default_value_t = 1e6, allow_negative_numbers = true)]
-    young: f64,
-    /// Friction angle while packing (degrees): low packs densely
-    #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
-    friction: f64,
+    /// Isotropic stress (Pa); 1e4 if not given. Copies settle again only where it is given
+    #[arg(long, allow_negative_numbers = true)]
+    stress: Option<f64>,
+    /// Contact modulus (Pa); 1e6 if not given
+    #[arg(long, allow_negative_numbers = true)]
+    young: Option<f64>,
+    /// Friction angle while packing (degrees): low packs densely; 3 if not given
+    #[arg(long, allow_negative_numbers = true)]
+    friction: Option<f64>,
     /// Seed of the random cloud
     #[arg(long, default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+impl Args {
+    /// Stress (Pa), modulus (Pa) and friction angle (degrees) of the growth.
+    fn growth(&self) -> (f64, f64, f64) {
+        (self.stress.unwrap_or(1e4), self.young.unwrap_or(1e6), self.friction.unwrap_or(3.0))
+    }
 }
 
 /// The packing that was made.
@@ -55,18 +68,22 @@ pub struct Report {
     file: PathBuf,
     particles: usize,
     steps: u64,
+    /// `None` of copies that have not settled again.
     #[serde(flatten)]
-    compaction: Compaction,
+    compaction: Option<Compaction>,
 }
 
-/// Grows a packing and writes it. `None`: Ctrl-C ended it, nothing was written.
+/// Makes a packing and writes it. `None`: Ctrl-C ended it, nothing was written.
 ///
 /// # Errors
 /// What is wrong in the scene or the options, or why the packing does not
 /// settle.
 pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
+    if let (Some(copies), Some(packing)) = (&args.tile, &args.input) {
+        return tile::run(args, copies, packing, context);
+    }
     let plan = compaction_plan(args)?;
-    let name = args.scene.clone().unwrap_or_else(|| PathBuf::from("packing"));
+    let name = args.input.clone().unwrap_or_else(|| PathBuf::from("packing"));
     let folder = args.output.folder(&name, FILE)?;
     let interrupted = context.interruption()?;
     let mut simulation = Simulation::new(plan)?;
@@ -89,15 +106,20 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
     let particles = simulation.coupled().dem.particles().len();
-    Ok(Some(Report { file, particles, steps: simulation.step(), compaction }))
+    Ok(Some(Report { file, particles, steps: simulation.step(), compaction: Some(compaction) }))
 }
 
 /// The scene up to its first compact stage.
 fn compaction_plan(args: &Args) -> Result<Plan, Error> {
-    let Some(scene) = &args.scene else {
+    let Some(scene) = &args.input else {
         check_options(args)?;
         return Ok(Plan::from_toml(&scene_text(args), None)?);
     };
+    let given = [("stress", args.stress), ("young", args.young), ("friction", args.friction)];
+    if let Some((name, _)) = given.iter().find(|(_, value)| value.is_some()) {
+        let what = format!("--{name} beside a scene, which says what it is");
+        return Err(InputError::new(what, "change the scene, or leave the scene out").into());
+    }
     let mut plan = Plan::load(scene)?;
     let compact = plan.stages.iter().position(|s| matches!(s.kind, StageKind::Compact(_)));
     let compact = compact.ok_or_else(|| {
@@ -111,18 +133,14 @@ fn compaction_plan(args: &Args) -> Result<Plan, Error> {
 /// What a scene would refuse, in the words of the options.
 fn check_options(args: &Args) -> Result<(), InputError> {
     let positive = |v: f64| v > 0.0 && v.is_finite();
+    let (stress, young, friction) = args.growth();
     let checks = [
         ("count", f64::from(args.count), args.count >= 2, "give two spheres or more"),
         ("spread", args.spread, (0.0..1.0).contains(&args.spread), "give 0 to less than 1"),
         ("edge", args.edge, positive(args.edge), "give a length in m"),
-        ("stress", args.stress, positive(args.stress), "give a pressure in Pa"),
-        ("young", args.young, positive(args.young), "give a modulus in Pa"),
-        (
-            "friction",
-            args.friction,
-            (0.0..90.0).contains(&args.friction),
-            "give 0 to less than 90 degrees",
-        ),
+        ("stress", stress, positive(stress), "give a pressure in Pa"),
+        ("young", young, positive(young), "give a modulus in Pa"),
+        ("friction", friction, (0.0..90.0).contains(&friction), "give 0 to less than 90 degrees"),
     ];
     match checks.into_iter().find(|(_, _, fine, _)| !fine) {
         Some((name, value, _, remedy)) => {
@@ -134,7 +152,8 @@ fn check_options(args: &Args) -> Result<(), InputError> {
 
 /// The options as a scene, so that they meet the same checks.
 fn scene_text(args: &Args) -> String {
-    let Args { count, spread, edge, stress, young, friction, seed, .. } = args;
+    let Args { count, spread, edge, seed, .. } = args;
+    let (stress, young, friction) = args.growth();
     format!(
         "title = \"packing\"\nseed = {seed}\n\
          [box]\nmin = [0, 0, 0]\nmax = [{edge:?}, {edge:?}, {edge:?}]\n\
@@ -149,12 +168,6 @@ fn write(
     simulation: &Simulation,
     compaction: &Compaction,
 ) -> Result<(), Error> {
-    let dem = &simulation.coupled().dem;
-    let particles = dem.particles();
-    let mut order: Vec<usize> = (0..particles.len()).collect();
-    order.sort_unstable_by_key(|&i| particles.id[i]);
-    let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();
-    let radius: Vec<_> = order.iter().map(|&i| particles.radius[i]).collect();
     let comment = format!(
         "{}: settled at {:.6e} Pa by growth (dempfv {}, seed {}); metres",
         simulation.plan().title,
@@ -162,21 +175,29 @@ fn write(
         env!("CARGO_PKG_VERSION"),
         simulation.plan().seed
     );
-    packing::write(file, &position, &radius, Some(&dem.box_()), &comment)
+    write_spheres(file, &simulation.coupled().dem, &comment)
+}
+
+/// The spheres of a packing in the user's order, with their box.
+fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(), Error> {
+    let particles = dem.particles();
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&i| particles.id[i]);
+    let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();
+    let radius: Vec<_> = order.iter().map(|&i| particles.radius[i]).collect();
+    packing::write(file, &position, &radius, Some(&dem.box_()), comment)
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "  particles            {}", count(self.particles as u64))?;
         writeln!(f, "  steps                {}", count(self.steps))?;
-        writeln!(f, "  stress               {}", si(self.compaction.stress_pa, "Pa"))?;
-        writeln!(f, "  unbalanced force     {:.1e}", self.compaction.unbalanced_force)?;
-        writeln!(f, "  porosity             {}", three_digits(self.compaction.porosity))?;
-        writeln!(
-            f,
-            "  coordination number  {}",
-            three_digits(self.compaction.coordination_number)
-        )?;
+        if let Some(c) = &self.compaction {
+            writeln!(f, "  stress               {}", si(c.stress_pa, "Pa"))?;
+            writeln!(f, "  unbalanced force     {:.1e}", c.unbalanced_force)?;
+            writeln!(f, "  porosity             {}", three_digits(c.porosity))?;
+            writeln!(f, "  coordination number  {}", three_digits(c.coordination_number))?;
+        }
         writeln!(f, "  written              {}", self.file.display())
     }
 }

@@ -1,0 +1,74 @@
+//! The machine and the day, for reports.
+
+use std::fs;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::format::bytes;
+
+/// Processor, cores, memory and kernel, in words; what the system does not tell is left
+/// out.
+pub fn description() -> String {
+    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
+    let after = |text: &str, key: &str| {
+        let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
+        Some(rest.trim_start_matches([' ', '\t', ':']).trim().to_owned())
+    };
+    let cores = std::thread::available_parallelism().ok();
+    let memory = after(&read("/proc/meminfo"), "MemTotal");
+    let memory = memory.and_then(|m| m.strip_suffix("kB")?.trim().parse::<f64>().ok());
+    let kernel = read("/proc/sys/kernel/osrelease");
+    [
+        after(&read("/proc/cpuinfo"), "model name"),
+        cores.map(|n| if n.get() == 1 { "1 core".to_owned() } else { format!("{n} cores") }),
+        memory.map(|kib| format!("{} of memory", bytes(1024.0 * kib))),
+        after(&read("/etc/os-release"), "PRETTY_NAME=").map(|name| name.replace('"', "")),
+        Some(format!("Linux {}", kernel.trim())).filter(|_| !kernel.is_empty()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect::<Vec<_>>()
+    .join(", ")
+}
+
+/// Today in UTC, as in 2026-11-22.
+pub fn today() -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let (year, month, day) = date(now.as_secs() / 86_400);
+    format!("{year}-{month:02}-{day:02}")
+}
+
+/// Year, month and day, so many days after 1970-01-01.
+fn date(mut days: u64) -> (u64, usize, u64) {
+    let is_leap = |y: u64| y.is_multiple_of(4) && (!y.is_multiple_of(100) || y.is_multiple_of(400));
+    let mut year = 1970;
+    while days >= 365 + u64::from(is_leap(year)) {
+        days -= 365 + u64::from(is_leap(year));
+        year += 1;
+    }
+    let february = 28 + u64::from(is_leap(year));
+    let mut month = 1;
+    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31] {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    (year, month, days + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    /// Days from `date -u -d 2024-02-29 +%s` and the like, over 86,400.
+    #[test]
+    fn days_become_dates() {
+        assert_eq!(date(0), (1970, 1, 1));
+        assert_eq!(date(11_016), (2000, 2, 29));
+        assert_eq!(date(19_782), (2024, 2, 29));
+        assert_eq!(date(19_783), (2024, 3, 1));
+        assert_eq!(date(20_453), (2025, 12, 31));
+        assert_eq!(date(20_454), (2026, 1, 1));
+    }
+}
