@@ -1,7 +1,7 @@
 //! The machine and the day, for reports.
 
 use std::fs;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use super::format::bytes;
 
@@ -16,18 +16,47 @@ pub fn description() -> String {
     let cores = std::thread::available_parallelism().ok();
     let memory = after(&read("/proc/meminfo"), "MemTotal");
     let memory = memory.and_then(|m| m.strip_suffix("kB")?.trim().parse::<f64>().ok());
+    // The version, without what its builder has added.
     let kernel = read("/proc/sys/kernel/osrelease");
+    let kernel = kernel.split(|c: char| !c.is_ascii_digit() && c != '.').next().unwrap_or("");
     [
         after(&read("/proc/cpuinfo"), "model name"),
         cores.map(|n| if n.get() == 1 { "1 core".to_owned() } else { format!("{n} cores") }),
         memory.map(|kib| format!("{} of memory", bytes(1024.0 * kib))),
         after(&read("/etc/os-release"), "PRETTY_NAME=").map(|name| name.replace('"', "")),
-        Some(format!("Linux {}", kernel.trim())).filter(|_| !kernel.is_empty()),
+        Some(format!("Linux {kernel}")).filter(|_| !kernel.is_empty()),
     ]
     .into_iter()
     .flatten()
     .collect::<Vec<_>>()
     .join(", ")
+}
+
+/// How many cores other programs keep busy: the mean over a time in which this one sleeps.
+/// `None` where the system does not tell.
+pub fn busy_cores(over: Duration) -> Option<f64> {
+    let cores = std::thread::available_parallelism().ok()?.get();
+    let before = busy_share(&fs::read_to_string("/proc/stat").ok()?)?;
+    std::thread::sleep(over);
+    let after = busy_share(&fs::read_to_string("/proc/stat").ok()?)?;
+    let [busy, all] = [after[0] - before[0], after[1] - before[1]];
+    (all > 0.0).then(|| busy / all * cores as f64)
+}
+
+/// Ticks of all cores that were busy, and of all, from /proc/stat.
+fn busy_share(stat: &str) -> Option<[f64; 2]> {
+    // user, nice, system, idle, waiting for a device, interrupts, ..., stolen; guests are
+    // counted in user already.
+    let ticks: Vec<f64> = stat
+        .lines()
+        .next()?
+        .strip_prefix("cpu ")?
+        .split_whitespace()
+        .take(8)
+        .map_while(|word| word.parse().ok())
+        .collect();
+    let all: f64 = ticks.iter().sum();
+    Some([all - ticks.get(3)? - ticks.get(4)?, all])
 }
 
 /// Today in UTC, as in 2026-11-22.
@@ -59,7 +88,16 @@ fn date(mut days: u64) -> (u64, usize, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::date;
+    use super::{busy_share, date};
+
+    /// The first line is that of all cores: 10 + 1 + 5 + 0 + 2 + 0 + 4 ticks busy of 60.
+    #[test]
+    fn busy_ticks_are_told_from_idle_ones() {
+        let stat = "cpu  10 1 5 30 8 0 2 4 3 0\ncpu0 1 2 3 4 5 6 7 8 9 0\n";
+        assert_eq!(busy_share(stat), Some([22.0, 60.0]));
+        assert_eq!(busy_share("cpu 1 2"), None);
+        assert_eq!(busy_share(""), None);
+    }
 
     /// Days from `date -u -d 2024-02-29 +%s` and the like, over 86,400.
     #[test]

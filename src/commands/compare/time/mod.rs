@@ -7,6 +7,7 @@ mod runs;
 mod section;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +15,7 @@ use self::measured::Times;
 use self::runs::{Job, Specimen, Tuning};
 use super::peer::Bench;
 use super::verdict::Verdict;
-use crate::commands::Error;
+use crate::commands::{Error, machine};
 
 /// Packings of up to so many spheres are measured [`REPEATS`] times; the largest of them
 /// shows which of YADE's solvers is the faster.
@@ -22,10 +23,14 @@ const SMALL: usize = 5_000;
 const REPEATS: usize = 3;
 /// Steps between remeshes that times per step are quoted for, as in the paper.
 const INTERVAL: f64 = 200.0;
+/// How long the machine is looked at before the first run.
+const LOOK: Duration = Duration::from_secs(2);
 
 /// What was measured.
 #[derive(Serialize, Deserialize)]
 pub struct Part {
+    /// Cores that other programs kept busy just before.
+    busy_cores: Option<f64>,
     /// YADE's solvers on one packing.
     trials: Vec<Trial>,
     cases: Vec<Case>,
@@ -71,6 +76,7 @@ impl super::Part for Part {
 
     fn measure(bench: &Bench, packings: &[PathBuf]) -> Result<Part, Error> {
         let specimens = runs::specimens(bench, packings)?;
+        let busy_cores = machine::busy_cores(LOOK);
         let threads: &[usize] = match std::thread::available_parallelism().map_or(1, usize::from) {
             1 => &[1],
             _ => &[1, 2],
@@ -82,7 +88,7 @@ impl super::Part for Part {
                 cases.push(Case::measure(bench, specimen, threads, solver)?);
             }
         }
-        Ok(Part { trials, cases })
+        Ok(Part { busy_cores, trials, cases })
     }
 
     fn verdicts(&self) -> Vec<Verdict> {

@@ -10,11 +10,18 @@ use crate::report::plot::{Axis, Mark, SERIES, Series, xy};
 
 /// Name of the plot's files.
 const FIGURE: &str = "time";
+/// Other programs that keep more cores than this busy make times rough.
+const DISTURBED: f64 = 0.1;
 
 /// The section; its figure goes into the folder.
 pub fn write(part: &Part, folder: &Path) -> Result<String, Error> {
     draw(part, folder)?;
     let mut text = INTRODUCTION.to_owned();
+    if let Some(busy) = part.busy_cores.filter(|&busy| busy > DISTURBED) {
+        text += &format!(
+            "\n**Other programs kept {busy:.1} cores busy just before: these times are rough.**\n"
+        );
+    }
     text += &format!("\n{}", summary(part));
     text += &format!("\n![Time per step against the number of spheres]({FIGURE}.png)\n");
     text += &format!("\n{}", slower(part));
