@@ -2,6 +2,8 @@
 
 mod coupled;
 mod dry;
+mod figures;
+mod loading;
 mod network;
 mod page;
 mod peer;
