@@ -6,10 +6,10 @@ use super::{NONE, Tessellation};
 use crate::{Vec3, WallId};
 
 impl Tessellation {
-    /// The cell that contains a point, from the centres (m) of the spheres that were
-    /// triangulated. What lies between a facet and a wall belongs to the cell of that
-    /// facet and wall, so every point in the box is in a cell; [`NONE`] only for a point
-    /// elsewhere. Looks at every cell.
+    /// The cell that contains a point of the box, from the centres (m) of the spheres that
+    /// were triangulated. What lies between a facet and a wall belongs to the cell of that
+    /// facet and wall. [`NONE`] if there is none, which takes a point that is no number.
+    /// Looks at every cell.
     ///
     /// A point on a facet belongs to one of the cells there, the same every time.
     pub fn locate(&self, position: &[Vec3], point: &Vec3) -> u32 {

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::loading::{Change, Course, Gap, Loading, Packing, Wet, samples};
-use super::{HEADER, HEIGHTS, figures, row, verdicts};
+use super::{BOUND, HEADER, HEIGHTS, figures, row, verdicts};
 use crate::commands::Error;
 use crate::commands::compare::loading::{Material, settled};
 use crate::commands::compare::peer::Bench;
@@ -18,8 +18,8 @@ const BEFORE: f64 = 1e4;
 const AFTER: f64 = 1.1e4;
 /// Viscosity (Pa·s).
 const VISCOSITY: f64 = 10.0;
-/// Share of T_v = 1 that the runs for understanding take.
-const BEGINNING: f64 = 0.1;
+/// T_v at which the runs for understanding end.
+const BEGINNING: f64 = 0.05;
 
 /// The oedometer, loaded in both programs.
 #[derive(Serialize, Deserialize)]
@@ -30,8 +30,8 @@ pub struct Oedometer {
     permeability: f64,
     yade: Course,
     ours: Course,
-    /// The beginning, in YADE with the equations that ours follows.
-    aligned: Course,
+    /// The beginning, in YADE with the push of corner pores, with the plain slip, with both.
+    changed: [Course; 3],
     /// The beginning with half the time step: YADE, ours.
     refined: [Course; 2],
 }
@@ -46,15 +46,23 @@ impl Oedometer {
         let (modulus, permeability) = properties(bench, &packing)?;
         let duration = VISCOSITY * packing.size().y.powi(2) / (permeability * modulus);
         let loading = loading(&packing, duration);
-        let beginning = loading.until((BEGINNING * loading.steps() as f64) as u64);
+        let beginning = loading.until((BEGINNING * loading.steps as f64) as u64);
         let fine = beginning.refined(2);
+        let changed = |name: &str, plain_slip, corner_push| {
+            let change = Change { perturbation: 0.0, plain_slip, corner_push };
+            beginning.yade(bench, &format!("oedometer-{name}"), &packing, change)
+        };
         let step = "oedometer";
         Ok(Oedometer {
             modulus,
             permeability,
             yade: loading.yade(bench, step, &packing, Change::default())?,
             ours: loading.ours(bench, step, &packing)?,
-            aligned: beginning.yade(bench, "oedometer-aligned", &packing, Change::ALIGNED)?,
+            changed: [
+                changed("corners", false, true)?,
+                changed("plain", true, false)?,
+                changed("aligned", true, true)?,
+            ],
             refined: [
                 fine.yade(bench, "oedometer-fine", &packing, Change::default())?,
                 fine.ours(bench, "oedometer-fine", &packing)?,
@@ -67,9 +75,25 @@ impl Oedometer {
         AFTER - BEFORE
     }
 
-    /// What was asked: the two programs over the whole time.
+    /// What was asked: the two programs over the whole time; and that what they differ by
+    /// is what is known of YADE.
     pub fn verdicts(&self) -> Vec<Verdict> {
-        verdicts("oedometer", &Gap::between(&self.ours, &self.yade, self.load()))
+        let gap = Gap::between(&self.ours, &self.yade, self.load());
+        let [.., aligned] = &self.changed;
+        let rest = Gap::between(&self.ours.first(aligned.step.len()), aligned, self.load());
+        let mut judged = verdicts("oedometer", &gap);
+        for verdict in &mut judged {
+            if !verdict.is_within() && rest.largest() <= BOUND {
+                verdict.explanation = Some(format!(
+                    "with the push of the corner pores, which YADE leaves out, and the plain slip \
+                     of contacts in YADE, at most {:.2} % is left, in the same run",
+                    100.0 * rest.largest()
+                ));
+            }
+        }
+        let name = format!("oedometer to T_v = {BEGINNING}, YADE with corner pores and plain slip");
+        judged.extend(verdicts(&name, &rest));
+        judged
     }
 
     /// Its section of the report.
@@ -102,7 +126,7 @@ impl Oedometer {
             self.loading.wet.map_or(0, |w| w.remesh_interval),
             1e-3 * self.modulus,
             self.permeability,
-            self.loading.steps(),
+            self.loading.steps,
             self.ours.seconds,
             self.yade.seconds
         );
@@ -113,16 +137,19 @@ impl Oedometer {
     }
 
     fn rows(&self) -> String {
-        let count = self.aligned.step.len();
+        let [corners, plain, aligned] = &self.changed;
+        let count = aligned.step.len();
         let (yade, ours) = (self.yade.first(count), self.ours.first(count));
         let [fine_yade, fine_ours] = &self.refined;
         let compared = [
             ("dempfv with YADE, to T_v = 1", &self.ours, &self.yade),
-            ("the same, to T_v = 0.1", &ours, &yade),
-            ("dempfv with YADE, both Δt/2", fine_ours, fine_yade),
+            ("the same, to T_v = 0.05 as from here on", &ours, &yade),
+            ("dempfv with YADE, both with Δt/2", fine_ours, fine_yade),
             ("YADE, Δt with Δt/2", &yade, fine_yade),
             ("dempfv, Δt with Δt/2", &ours, fine_ours),
-            ("dempfv with YADE, same slip and corner pores", &ours, &self.aligned),
+            ("dempfv with YADE and its corner pores", &ours, corners),
+            ("dempfv with YADE, plain slip", &ours, plain),
+            ("dempfv with YADE, corner pores and plain slip", &ours, aligned),
         ];
         compared.iter().map(|(name, a, b)| row(name, &Gap::between(a, b, self.load()))).collect()
     }
@@ -140,7 +167,8 @@ fn loading(packing: &Packing, duration: f64) -> Loading {
         max_velocity: 0.1,
         wet: Some(Wet { viscosity: VISCOSITY, remesh_interval: 200, clamp: true }),
         probes: packing.vertical(HEIGHTS),
-        samples: samples(50, 100, steps + 100),
+        steps,
+        samples: samples(50, 100, steps),
     }
 }
 
@@ -171,15 +199,18 @@ fn properties(bench: &Bench, packing: &Packing) -> Result<(f64, f64), Error> {
 
 const EXPLANATION: &str = "
 Largest differences at any of the times, over five probes and six walls, of the load of 1 kPa. Halving
-the time step in both moves each of them by less than they are apart, so the time step is not the
-cause. The last line shows what is: with the plain slip of contacts (see above) and with the push of
-the corner pores on their spheres, which YADE leaves out, added to YADE by its own Python, the
-difference goes. The push of the corner pores is what makes the stress on the base differ, the slip
-what makes the settlement differ. Nothing systematic is left: YADE takes the pores' volumes of the
-current positions and their difference over a step for V̇ where ours takes E of the last remesh times the
-velocities, its servo does not count the fluid's resistance (none here: the loaded wall is drained), and it
-remeshes at the end of a step where ours does at the beginning of the next with the older positions.
-After a remesh YADE shows pressures of the new network before it has solved them; the looks at
-the runs lie between remeshes.
+Δt moves both programs alike and leaves their difference as it is: neither is nearer to its limit, and
+the time step is not what they differ by. The last lines show what is. YADE leaves out the push of the
+eight corner pores on their spheres (their opposite facet lies on the hull), which makes the stress on
+the other walls differ: the fluid's forces on YADE's spheres and walls do not add up to zero. The slip
+of contacts (see above) makes the settlement differ. With both changed in YADE, by its own Python and
+its own switch, next to nothing is left.
+
+Other things that the programs do in different ways make up the rest: YADE takes V̇ from the pores'
+volumes before and after the last step, ours from E of the last remesh and the velocities; YADE
+remeshes at the end of a step, with the positions of its beginning, ours at the beginning of the next,
+which is what differs in the steps after a remesh. YADE's servo does not count the resistance of the fluid,
+which is none at a drained wall. After a remesh YADE shows the pressures of the new network before it
+has solved them, so the looks lie between remeshes.
 
 ";

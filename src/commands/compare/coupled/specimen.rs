@@ -75,7 +75,7 @@ impl Specimen {
             "![{0}]({name}.png)\n\n{0}: {1} steps took dempfv {2:.2} s and YADE {3:.1} s, one thread \
              each.\n\n",
             self.name(),
-            self.loading.steps(),
+            self.loading.steps,
             self.ours.seconds,
             self.yade.seconds
         ))
@@ -92,7 +92,8 @@ pub fn loading(packing: &Packing, clamp: bool) -> Loading {
         max_velocity: 5.0 * packing.size().y,
         wet: Some(Wet { viscosity: 1e-3, remesh_interval: 200, clamp }),
         probes: packing.vertical(HEIGHTS),
-        samples: samples(10, 20, 590),
+        steps: 600,
+        samples: samples(10, 20, 600),
     }
 }
 

@@ -125,6 +125,12 @@ pub struct Gap {
 }
 
 impl Gap {
+    /// The largest of what is judged: stress, settlement and pressure.
+    pub fn largest(&self) -> f64 {
+        let all = [self.stress, self.settlement, self.pressure].map(|apart| apart.largest);
+        all.into_iter().fold(0.0, |a, b| if b.is_nan() { b } else { a.max(b) })
+    }
+
     /// How far `a` is from `b`, which was taken at the same times; `load` is the stress
     /// that was put on (Pa).
     pub fn between(a: &Course, b: &Course, load: f64) -> Gap {

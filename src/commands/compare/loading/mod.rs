@@ -71,8 +71,10 @@ pub struct Loading {
     pub wet: Option<Wet>,
     /// Points whose pore pressure is of interest (m).
     pub probes: Vec<[f64; 3]>,
+    /// Steps in all.
+    pub steps: u64,
     /// Steps after which one looks; none of them a remesh, after which YADE shows the
-    /// pressures of a network that it has not solved yet. The last is the end.
+    /// pressures of a network that it has not solved yet.
     pub samples: Vec<u64>,
 }
 
@@ -109,15 +111,11 @@ pub fn samples(first: u64, every: u64, steps: u64) -> Vec<u64> {
 }
 
 impl Loading {
-    /// Steps in all.
-    pub fn steps(&self) -> u64 {
-        self.samples.last().copied().unwrap_or(0)
-    }
-
     /// The same loading with a shorter time step, seen at the same times.
     pub fn refined(&self, times: u64) -> Loading {
         let mut refined = self.clone();
         refined.dt /= times as f64;
+        refined.steps *= times;
         refined.samples.iter_mut().for_each(|s| *s *= times);
         refined.wet.iter_mut().for_each(|wet| wet.remesh_interval *= times);
         refined
@@ -126,6 +124,7 @@ impl Loading {
     /// The beginning of the same loading.
     pub fn until(&self, step: u64) -> Loading {
         let mut part = self.clone();
+        part.steps = part.steps.min(step);
         part.samples.retain(|s| *s <= step);
         part
     }
@@ -178,7 +177,7 @@ impl Loading {
             "[[stage]]\nkind = \"run\"\nsteps = {}\n\
              walls = {{ y_max = {{ stress = {:?}, max_velocity = {:?} }} }}\n\
              [output]\npictures = false\nhistory_every = {}\n",
-            self.steps(),
+            self.steps,
             self.stress,
             self.max_velocity,
             self.history_every()

@@ -54,7 +54,7 @@ corners = []
 
 def push_corners():
     """Adds what YADE leaves out: the push of a corner's pore on the corner's sphere."""
-    if O.iter % wet["remesh_interval"] == 0:
+    if not corners or O.iter % wet["remesh_interval"] == 0:
         corners.clear()
         for cell in range(flow.nCells()):
             vertices = flow.getVertices(cell)
@@ -74,7 +74,7 @@ def push_corners():
 
 
 if wet and job["corner_push"]:
-    O.engines = O.engines + [PyRunner(command="push_corners()", iterPeriod=1, firstIterRun=1)]
+    O.engines = O.engines + [PyRunner(command="push_corners()", iterPeriod=1, initRun=True)]
 
 activated = {"wall_%s_activated" % n: n == "top" for n in "top bottom left right front back".split()}
 servo = TriaxialStressController(
@@ -122,5 +122,7 @@ for step in job["samples"]:
     if step > O.iter:
         O.run(step - O.iter, True)
     look()
+if job["steps"] > O.iter:
+    O.run(job["steps"] - O.iter, True)
 course["seconds"] = time.time() - began
 finish(course)
