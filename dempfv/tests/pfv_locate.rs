@@ -42,7 +42,7 @@ fn every_pore_contains_its_middle() {
 /// walls and by halves of the list.
 #[test]
 fn points_fall_into_pores_by_volume() {
-    const POINTS: usize = 10_000;
+    const POINTS: usize = 4000;
     for s in [settled(), cubic(4, 0.1)] {
         let n = network(&s);
         let walls = |i: usize| {
@@ -74,12 +74,17 @@ fn corners_and_vertices_belong_to_their_pores() {
     let s = settled();
     let n = network(&s);
     for corner in 0..8 {
-        let x = Vec3::from_fn(|k, _| {
-            if corner >> k & 1 == 0 { s.bounds.min[k] } else { s.bounds.max[k] }
-        });
+        let x = Vec3::from_fn(
+            |k, _| {
+                if corner >> k & 1 == 0 { s.bounds.min[k] } else { s.bounds.max[k] }
+            },
+        );
         let pore = n.tessellation.locate(&s.x, &x) as usize;
         let walls = n.tessellation.cells[pore].iter().filter_map(|&v| n.tessellation.wall(v));
-        assert!(walls.clone().count() == 3 && walls.into_iter().all(|w| x[w.axis()] == s.bounds.wall(w)));
+        assert!(
+            walls.clone().count() == 3
+                && walls.into_iter().all(|w| x[w.axis()] == s.bounds.wall(w))
+        );
     }
     for (i, x) in s.x.iter().enumerate().step_by(37) {
         let pore = n.tessellation.locate(&s.x, x);
