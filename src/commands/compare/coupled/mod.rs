@@ -48,7 +48,10 @@ impl super::Part for Part {
 
     fn section(&self, folder: &Path) -> Result<String, Error> {
         let mut text = specimen::INTRODUCTION.to_owned();
-        text += HEADER;
+        match self.specimens.is_empty() {
+            true => text += "None of the packings has settled at 1 kPa and up to 6,000 spheres.\n",
+            false => text += HEADER,
+        }
         for specimen in &self.specimens {
             text += &row(&specimen.name(), &specimen.gap());
         }

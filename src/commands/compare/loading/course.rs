@@ -41,12 +41,9 @@ impl Course {
             Some(rows.iter().map(|&i| contacts[i] + fluid[i]).collect::<Vec<f64>>())
         });
         let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = walls else { return None };
-        let picked = |name: &str| {
-            Some(
-                rows.iter()
-                    .map(|&i| column(name)?.get(i).copied())
-                    .collect::<Option<Vec<f64>>>()?,
-            )
+        let picked = |name: &str| -> Option<Vec<f64>> {
+            let values = column(name)?;
+            Some(rows.iter().map(|&i| values[i]).collect())
         };
         let pressure: Option<Vec<Vec<f64>>> =
             (1..=probes).map(|k| picked(&format!("probe_{k}_pressure_pa"))).collect();
@@ -58,7 +55,7 @@ impl Course {
             contacts: picked("contacts")?.into_iter().map(|n| n as u64).collect(),
             coordination: picked("coordination_number")?,
             pressure: (0..rows.len()).map(|i| pressure.iter().map(|p| p[i]).collect()).collect(),
-            seconds: run.summary["wall_s"].as_f64().unwrap_or(f64::NAN),
+            seconds: run.summary["wall_s"].as_f64()?,
         })
     }
 

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use dempfv::coupling::Simulation;
+use dempfv::dem::{self, Dem, DemOptions, Particles, WallMaterial};
 use dempfv::io::packing;
 use dempfv::scene::{Plan, load_packing};
 use dempfv::{Aabb, Vec3};
 
-use super::{Bench, Error};
+use super::{Bench, Error, Material};
 
 /// A packing, as both programs get it.
 pub struct Packing {
@@ -32,6 +33,26 @@ impl Packing {
             spheres: spheres.map(|(x, &r)| [x.x, x.y, x.z, r]).collect(),
             bounds: [min.x, min.y, min.z, max.x, max.y, max.z],
         })
+    }
+
+    /// Mean stress on the six walls as it is (Pa), and the time step that its contacts are
+    /// stable with (s).
+    ///
+    /// # Errors
+    /// When it is no packing for our mechanics.
+    pub fn rest(&self, material: Material) -> Result<(f64, f64), Error> {
+        let Material { young, stiffness_ratio, friction_angle, density, .. } = material;
+        let (position, radius): (Vec<Vec3>, Vec<f64>) =
+            self.spheres.iter().map(|&[x, y, z, r]| (Vec3::new(x, y, z), r)).unzip();
+        let [a, b, c, d, e, f] = self.bounds;
+        let bounds = Aabb { min: Vec3::new(a, b, c), max: Vec3::new(d, e, f) };
+        let particles = Particles::new(position, radius, density);
+        let spheres = dem::Material { young, stiffness_ratio, friction_angle, density };
+        let walls = WallMaterial { young, friction_angle: 0.0 };
+        let mut dem = Dem::new(particles, bounds, spheres, walls, DemOptions::default())
+            .map_err(dempfv::Error::from)?;
+        dem.compute_contacts().map_err(dempfv::Error::from)?;
+        Ok((dem.mean_wall_stress(), dem.safe_time_step(0.8)))
     }
 
     /// Name in steps, figures and tables.
