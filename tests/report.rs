@@ -16,7 +16,7 @@ use plot::color;
 use plot::picture::Segment;
 use plot::section::{hull, plane_points};
 use plot::text::{Face, Layout};
-use plot::{Axis, Consolidation, Mark, Profile, SERIES, Section, Series};
+use plot::{Axis, Consolidation, Mark, Panel, Profile, SERIES, Section, Series};
 
 fn folder() -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
@@ -249,6 +249,26 @@ fn log_axes() {
         &[line],
     );
     save(&picture, "powers", &["×10−12", "0.025"]);
+}
+
+/// Panels beside each other have axes of their own, and one legend has all their series.
+#[test]
+fn panels_in_a_row() {
+    let t: Vec<f64> = (0..50).map(f64::from).collect();
+    let (rise, fall): (Vec<f64>, Vec<f64>) =
+        t.iter().map(|t| (1e3 * (0.1 * t).tanh(), (-0.1 * t).exp())).unzip();
+    let line = Mark::Line { width: 1.4, dash: None };
+    let series = |name: &str, y, i: usize| {
+        [Series { name: Some(name.to_owned()), x: &t, y, color: SERIES[i], mark: line }]
+    };
+    let (left, right) = (series("rises", &rise, 0), series("falls", &fall, 1));
+    let panel = |label, series| {
+        let (x, y) = (Axis::linear("Time (s)"), Axis::linear(label));
+        Panel { title: "", x, y, series }
+    };
+    let picture = plot::row("Two of them", "", &[panel("Up (Pa)", &left), panel("Down", &right)]);
+    assert!(picture.width > plot::xy("", "", Axis::linear(""), Axis::linear(""), &[]).width);
+    save(&picture, "row", &["Two of them", "rises", "falls", "Up (Pa)", "Down", "1000", "1.0"]);
 }
 
 #[test]

@@ -117,6 +117,11 @@ impl Aabb {
         0.5 * (self.min + self.max)
     }
 
+    /// Whether a point lies in the box or on its surface.
+    pub fn contains(&self, x: &Vec3) -> bool {
+        (0..3).all(|k| self.min[k] <= x[k] && x[k] <= self.max[k])
+    }
+
     /// Coordinate of a wall's plane along the wall's axis (m).
     pub fn wall(&self, wall: WallId) -> f64 {
         if wall.is_max() { self.max[wall.axis()] } else { self.min[wall.axis()] }

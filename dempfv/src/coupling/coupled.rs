@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::phases::{Phase, Phases};
 use super::setup::with_users_numbers;
 use crate::dem::{Dem, WallControl};
-use crate::pfv::{BuildTimes, Flow, Fluid};
+use crate::pfv::{BuildTimes, Flow, Fluid, NONE};
 use crate::solver::SolverKind;
 use crate::{Aabb, Result, Vec3, WallId};
 
@@ -52,6 +52,8 @@ struct Wet {
     /// The fluid's resistance to each servo-controlled wall (N·s/m), once it
     /// is known for this network.
     resistance: [Option<f64>; 6],
+    /// The pore of each probe; [`NONE`] outside the box.
+    probed: Vec<u32>,
 }
 
 /// Spheres, and the fluid between them where there is one.
@@ -63,6 +65,8 @@ pub struct Coupled {
     pub dem: Dem,
     saturation: Option<Saturation>,
     wet: Option<Wet>,
+    /// Points whose pore pressure is of interest (m).
+    probes: Vec<Vec3>,
     remeshes: u64,
     largest_residual: f64,
     largest_imbalance: f64,
@@ -76,6 +80,7 @@ impl Coupled {
             dem,
             saturation: None,
             wet: None,
+            probes: vec![],
             remeshes: 0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
@@ -151,7 +156,13 @@ impl Coupled {
         if saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }
-        self.wet = Some(Wet { flow, state, resistance: [None; 6] });
+        let cells = &flow.network.tessellation;
+        let place = |x: &Vec3| match state.bounds.contains(x) {
+            true => cells.locate(&state.position, x),
+            false => NONE,
+        };
+        let probed = self.probes.iter().map(place).collect();
+        self.wet = Some(Wet { flow, state, resistance: [None; 6], probed });
         Ok(())
     }
 
@@ -202,6 +213,22 @@ impl Coupled {
     /// The fluid and how its flow is computed; `None` where the pores are empty.
     pub fn saturation(&self) -> Option<&Saturation> {
         self.saturation.as_ref()
+    }
+
+    /// Watches the pore pressure at these points (m), from the next network on.
+    pub fn watch(&mut self, probes: Vec<Vec3>) {
+        self.probes = probes;
+    }
+
+    /// Pressure of the pore that contained each watched point when the network was built
+    /// (Pa). NaN where there is no network, and for a point that was outside its box.
+    pub fn probe_pressures(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.probes.len()).map(|k| {
+            let wet = self.wet.as_ref();
+            let pore = wet.and_then(|wet| Some((wet, *wet.probed.get(k)?)));
+            let pressure = pore.and_then(|(wet, pore)| wet.flow.pressure().get(pore as usize));
+            pressure.copied().unwrap_or(f64::NAN)
+        })
     }
 
     /// Steps done with the current network.

@@ -61,7 +61,8 @@ impl Simulation {
     /// # Errors
     /// When the packing is wrong, or the plan's values make no sense together.
     pub fn new(plan: Plan) -> Result<Simulation> {
-        let coupled = Coupled::new(setup::mechanics(&plan)?);
+        let mut coupled = Coupled::new(setup::mechanics(&plan)?);
+        coupled.watch(plan.output.probes.clone());
         Ok(Simulation {
             plan,
             coupled,
@@ -90,6 +91,7 @@ impl Simulation {
             setup::options(&plan),
         )?;
         let mut coupled = Coupled::new(dem);
+        coupled.watch(plan.output.probes.clone());
         coupled.remember_worst(state.largest_residual, state.largest_imbalance);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {

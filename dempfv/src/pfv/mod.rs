@@ -15,6 +15,7 @@ mod flow;
 mod fluid;
 
 mod frame;
+mod locate;
 mod network;
 mod operators;
 mod outlets;

@@ -50,7 +50,7 @@ pub(super) static FLUID: Schema = table(
 );
 pub(super) static PRESSURE: Schema = by_wall("`pressure`");
 pub(super) static OUTPUT: Schema =
-    table("[output]", &["history_every", "vtk_every", "checkpoint_every", "pictures"]);
+    table("[output]", &["history_every", "vtk_every", "checkpoint_every", "pictures", "probes"]);
 
 pub(super) static COMPACT: Schema = table(
     "a compact stage",

@@ -415,4 +415,6 @@ pub struct Output {
     pub checkpoint_every: u64,
     /// Are pictures drawn at the end? Default true.
     pub pictures: bool,
+    /// Points whose pore pressure is in the history (m). Default: none.
+    pub probes: Vec<Vec3>,
 }

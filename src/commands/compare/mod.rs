@@ -2,9 +2,12 @@
 
 mod coupled;
 mod dry;
+mod figures;
+mod loading;
 mod network;
 mod page;
 mod peer;
+mod reference;
 mod time;
 mod verdict;
 
@@ -52,6 +55,9 @@ struct YadeArgs {
     /// The program to compare with
     #[arg(long, value_name = "PROGRAM", default_value = "yade")]
     yade: PathBuf,
+    /// Write the small files that the tests compare with to this folder, and measure nothing
+    #[arg(long, value_name = "DIR", conflicts_with = "parts")]
+    write_reference: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -122,9 +128,14 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     make_folder(&folder)?;
     let versions = format!("YADE {}", yade.version);
     let bench = Bench::new(folder, yade, &versions)?;
+    if let Some(folder) = &args.write_reference {
+        make_folder(folder)?;
+        reference::write(&bench, folder)?;
+    }
     let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
-    let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
+    let all = args.parts.is_empty() && args.write_reference.is_none();
+    let chosen = |part| all || args.parts.contains(&part);
     page.add::<network::Part>(&bench, &packings, chosen(PartName::Network), force)?;
     page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
     page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;

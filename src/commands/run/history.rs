@@ -5,8 +5,8 @@ use dempfv::coupling::Simulation;
 use dempfv::io::history::Value;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities.
-pub fn columns() -> Vec<String> {
+/// per-wall quantities, then one for each of the `probes`.
+pub fn columns(probes: usize) -> Vec<String> {
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -36,6 +36,7 @@ pub fn columns() -> Vec<String> {
     ] {
         names.extend(WallId::ALL.map(|w| format!("{quantity}_{w}_{unit}")));
     }
+    names.extend((1..=probes).map(|k| format!("probe_{k}_pressure_pa")));
     names
 }
 
@@ -60,6 +61,7 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
     for six in [seen.contact_stress, seen.fluid_stress, seen.wall_displacement, seen.flux] {
         values.extend(six.map(Value::from));
     }
+    values.extend(simulation.coupled().probe_pressures().map(Value::from));
     for value in values {
         if let Value::Float(x) = value {
             // Sums of nothing are -0, which helps no reader.

@@ -37,7 +37,7 @@ impl Recorder {
         from: Option<(u64, f64)>,
     ) -> Result<Recorder> {
         let output = &simulation.plan().output;
-        let columns = history::columns();
+        let columns = history::columns(output.probes.len());
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let path = folder.join("history.csv");
         let history = match from {

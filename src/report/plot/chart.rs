@@ -22,6 +22,29 @@ pub fn xy(title: &str, caption: &str, x: Axis, y: Axis, series: &[Series]) -> Pi
     picture
 }
 
+/// Panels beside each other, with one legend for all above them.
+pub fn row(title: &str, caption: &str, panels: &[Panel]) -> Picture {
+    const EACH: f64 = 440.0;
+    let count = panels.len().max(1) as f64;
+    let mut picture = Picture::new((EACH * count).max(640.0), 420.0);
+    let top = heading(&mut picture, title, caption);
+    let (left, right) = (MARGIN, picture.width - MARGIN);
+    let named: Vec<Series> = panels.iter().flat_map(|p| p.series.iter().cloned()).collect();
+    let legend = panel::legend(&mut picture, &named, left, right, top);
+    let each = (right - left) / count;
+    for (i, panel) in panels.iter().enumerate() {
+        let start = left + each * i as f64;
+        let room = Rect {
+            left: start,
+            top: top + legend + 8.0,
+            right: start + each - 1.2 * MARGIN,
+            bottom: picture.height - MARGIN,
+        };
+        panel.draw(&mut picture, room);
+    }
+    picture
+}
+
 /// Sets title and caption; returns the height where the rest begins.
 pub fn heading(picture: &mut Picture, title: &str, caption: &str) -> f64 {
     let style = Type {

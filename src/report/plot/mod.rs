@@ -17,10 +17,10 @@ use std::path::Path;
 use dempfv::io::atomic;
 
 pub use axis::Axis;
-pub use chart::xy;
+pub use chart::{row, xy};
 pub use color::SERIES;
 pub use consolidation::{Consolidation, Profile, consolidation, profiles};
-pub use panel::{Mark, Series};
+pub use panel::{Mark, Panel, Series};
 pub use picture::Picture;
 pub use section::{Section, section};
 

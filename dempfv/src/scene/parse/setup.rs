@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::stages;
-use crate::domain::{Aabb, WallId};
+use crate::domain::{Aabb, Vec3, WallId};
 use crate::error::InputError;
 use crate::pfv::Clamp;
 use crate::scene::keys;
+use crate::scene::packing_check::probe_outside;
 use crate::scene::plan::*;
 use crate::scene::table::{Bound, Table, Value};
 use crate::solver::SolverKind;
@@ -30,7 +31,7 @@ pub(super) fn read(root: &Table) -> Result<Plan> {
     let dem = root.get("dem").map(|v| read_dem(&v)).transpose()?;
     let fluid = root.get("fluid").map(|v| read_fluid(&v)).transpose()?;
     let stages = stages::read(root, &walls, fluid.is_some())?;
-    let output = read_output(root)?;
+    let output = read_output(root, bounds.as_ref(), fluid.is_some())?;
     Ok(Plan { title, file, seed, bounds, particles, walls, dem, fluid, stages, output })
 }
 
@@ -248,15 +249,41 @@ fn read_conditions(fluid: &Table) -> Result<[Option<f64>; 6]> {
     Ok(pressure)
 }
 
-fn read_output(root: &Table) -> Result<Output> {
-    let mut output =
-        Output { history_every: 10, vtk_every: 0, checkpoint_every: 0, pictures: true };
+fn read_output(root: &Table, bounds: Option<&Aabb>, has_fluid: bool) -> Result<Output> {
+    let mut output = Output {
+        history_every: 10,
+        vtk_every: 0,
+        checkpoint_every: 0,
+        pictures: true,
+        probes: vec![],
+    };
     if let Some(value) = root.get("output") {
         let table = value.table(&keys::OUTPUT)?;
         output.history_every = table.count_or("history_every", 1, output.history_every)?;
         output.vtk_every = table.count_or("vtk_every", 0, output.vtk_every)?;
         output.checkpoint_every = table.count_or("checkpoint_every", 0, output.checkpoint_every)?;
         output.pictures = table.flag_or("pictures", output.pictures)?;
+        if let Some(value) = table.get("probes") {
+            output.probes = read_probes(&value, bounds, has_fluid)?;
+        }
     }
     Ok(output)
+}
+
+/// Points inside the box, as far as the scene says where that is.
+fn read_probes(value: &Value, bounds: Option<&Aabb>, has_fluid: bool) -> Result<Vec<Vec3>> {
+    const FORM: &str = "an array of points in m, as in [[0.5, 0.1, 0.5]]";
+    if !has_fluid {
+        return Err(value.error("asks for pore pressures, but there is no [fluid]", "add [fluid]"));
+    }
+    let mut probes = Vec::new();
+    for item in value.items(FORM)? {
+        let point = item.vector("m")?;
+        probes.push(point);
+        let outside = bounds.and_then(|bounds| probe_outside(&probes, bounds));
+        if let Some(problem) = outside {
+            return Err(item.error(&problem, "give points inside the box"));
+        }
+    }
+    Ok(probes)
 }
