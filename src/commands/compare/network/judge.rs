@@ -1,0 +1,3 @@
+use super::Compared;
+use super::Verdict;
+pub fn verdicts(_: &[Compared]) -> Vec<Verdict> { vec![] }
