@@ -29,8 +29,8 @@ struct Job {
 pub struct Theirs {
     /// Vertices of each pore; spheres first, then walls.
     pub cells: Vec<[u32; 4]>,
-    /// Pore across the facet opposite each vertex.
-    pub neighbors: Vec<[i64; 4]>,
+    /// Pores that share a facet with each pore.
+    pub neighbors: Vec<Vec<u32>>,
     /// Centre of each pore (m).
     pub center: Vec<Vec3>,
     /// Volume of each pore (m³), where YADE tells.
@@ -133,8 +133,9 @@ impl Match {
         let only_theirs = (0..).zip(&known).filter(|(_, known)| !**known).map(|(i, _)| i).collect();
         let throat = ours.throats.pores.iter().map(|&[i, j]| {
             let (a, b) = (pore[i as usize]?, pore[j as usize]?);
-            let around = theirs.neighbors[a as usize];
-            around.iter().position(|&n| n == i64::from(b)).map(|k| (a, k))
+            let (cell, other) = (theirs.cells[a as usize], theirs.cells[b as usize]);
+            let opposite = cell.iter().position(|v| !other.contains(v));
+            opposite.filter(|_| theirs.neighbors[a as usize].contains(&b)).map(|k| (a, k))
         });
         Match { throat: throat.collect(), pore, only_theirs }
     }
