@@ -40,6 +40,18 @@ impl Differing {
             pores: matched.only_ours().take(LISTED).map(|i| cells[i]).collect(),
         }
     }
+
+    /// Why the pores may differ, if the packing leaves the choice in each case.
+    pub fn explanation(&self) -> Option<String> {
+        let shown = self.count > 0 && self.unexplained == 0 && self.degenerate > 0;
+        shown.then(|| {
+            format!(
+                "each of the {} pores of ours among them has a fifth vertex on the sphere around its \
+                 four: the packing is degenerate there, and every triangulation is right",
+                self.degenerate
+            )
+        })
+    }
 }
 
 /// Whether the vertex across one of a pore's facets has the pore's own power, or a wall

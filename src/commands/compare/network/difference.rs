@@ -114,9 +114,8 @@ impl ByPlace {
             .filter_map(|((&place, a), b)| Some((place, a?, b?)))
             .filter(|(_, a, b)| (*a, *b) != (0.0, 0.0))
             .collect();
-        let of = |at: Place| {
-            Stat::relative(pairs.iter().filter(|p| p.0 == at).map(|&(_, a, b)| (a, b)))
-        };
+        let of =
+            |at: Place| Stat::relative(pairs.iter().filter(|p| p.0 == at).map(|&(_, a, b)| (a, b)));
         ByPlace {
             inside: of(Place::Inside),
             beside: of(Place::Beside),
@@ -135,9 +134,8 @@ impl Geometry {
         let (inner, outer): (Vec<_>, Vec<_>) =
             matched.common().partition(|&(i, _)| walls(network, i) == 0);
         let of = |pores: &[(usize, usize)]| Stat::of(pores.iter().copied().filter_map(volume));
-        let imposed = |&(i, p): &(usize, usize)| {
-            flow.operators.imposed(i).is_some() != theirs.imposed[p]
-        };
+        let imposed =
+            |&(i, p): &(usize, usize)| flow.operators.imposed(i).is_some() != theirs.imposed[p];
         Geometry {
             center: Stat::of(inner.iter().copied().map(center)),
             volume: of(&inner),
@@ -160,8 +158,7 @@ impl Difference {
     ) -> Difference {
         let network = &flow.network;
         let ours = network.throats.conductance.iter().map(|&g| Some(g));
-        let conductance =
-            ByPlace::relative(&places(network), matched.conductances(theirs), ours);
+        let conductance = ByPlace::relative(&places(network), matched.conductances(theirs), ours);
         let pressure = flow.pressure();
         let push = corner_push(flow);
         let mean =
@@ -175,9 +172,7 @@ impl Difference {
         Difference {
             case,
             conductance,
-            pressure: Stat::of(
-                matched.common().map(|(i, p)| theirs.pressure[p] - pressure[i]),
-            ),
+            pressure: Stat::of(matched.common().map(|(i, p)| theirs.pressure[p] - pressure[i])),
             force: Stat::of(other.iter().map(|&i| off(i, flow.force()[i]))),
             corner_force: Stat::of(corner.iter().map(|&i| off(i, flow.force()[i]))),
             corner_force_less_push: Stat::of(
@@ -193,12 +188,7 @@ impl Difference {
 }
 
 impl Balance {
-    fn new(
-        packing: &Packing,
-        flow: &Flow,
-        theirs: &TheirFlow,
-        push: &[Option<Vec3>],
-    ) -> Balance {
+    fn new(packing: &Packing, flow: &Flow, theirs: &TheirFlow, push: &[Option<Vec3>]) -> Balance {
         let size = packing.bounds.size();
         // The imposed difference is 1 Pa.
         let unit = size.x * size.z;
@@ -211,7 +201,7 @@ impl Balance {
 }
 
 /// For spheres of corner pores, what these push them by; `None` for the others.
-fn corner_push(flow: &Flow) -> Vec<Option<Vec3>> {
+pub fn corner_push(flow: &Flow) -> Vec<Option<Vec3>> {
     let t = &flow.network.tessellation;
     let mut push = vec![None; t.spheres];
     for (i, cell) in t.cells.iter().enumerate().filter(|(i, _)| walls(&flow.network, *i) == 3) {

@@ -1,10 +1,11 @@
 //! Which of the two programs is off, and by what: the evidence of the second evaluation.
 
+use dempfv::Vec3;
 use dempfv::pfv::Flow;
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::difference::{ByPlace, Place, places};
+use super::difference::{ByPlace, Place, corner_push, places};
 use super::independent::{Independent, IndependentFlow, Model};
 use super::solve::Solution;
 use super::stat::Stat;
@@ -18,6 +19,9 @@ pub struct Distance {
     pub conductance: ByPlace,
     /// Pressures over the imposed difference.
     pub pressure: Stat,
+    /// Forces on spheres over their mean, where both have them; YADE's with the push of the
+    /// corner pores that it leaves out.
+    pub force: Option<Stat>,
     /// Flux at the bottom, relative.
     pub flux: f64,
 }
@@ -42,8 +46,6 @@ pub struct Evidence {
     pub double_spheres: Distance,
     /// YADE's pressures from those that its own conductances have.
     pub theirs_solver: Distance,
-    /// Our forces on spheres from those of planes, over their mean.
-    pub our_force: Option<Stat>,
     /// Our forces along the flow on spheres and walls, less what the overlaps of spheres
     /// and edges account for, over area times pressure difference.
     pub our_balance: Option<f64>,
@@ -70,13 +72,15 @@ pub struct Curves {
 struct Held {
     conductance: Vec<Option<f64>>,
     pressure: Vec<Option<f64>>,
+    /// On each sphere.
+    force: Option<Vec<Vec3>>,
     flux: f64,
 }
 
 impl Held {
     fn solved(conductance: Vec<Option<f64>>, solution: Solution) -> Held {
         let pressure = solution.pressure.into_iter().map(Some).collect();
-        Held { conductance, pressure, flux: solution.flux[2] }
+        Held { conductance, pressure, force: None, flux: solution.flux[2] }
     }
 }
 
@@ -108,7 +112,8 @@ impl Evidence {
         let planes = held(Model::Planes)?;
         let (spheres, double) = (held(Model::Spheres)?, held(Model::Double)?);
         let ours = ours(flow);
-        let (yades, own) = (yades(theirs, matched), own(flow, theirs, matched)?);
+        let yades = yades(flow, theirs, matched);
+        let own = own(flow, theirs, matched)?;
         let at = places(&flow.network);
         let between = |a: &Held, b: &Held| Distance::new(&at, a, b);
         let exact = find(Model::Planes);
@@ -131,7 +136,6 @@ impl Evidence {
             theirs_spheres: between(&yades, &spheres),
             double_spheres: between(&double, &spheres),
             theirs_solver: between(&yades, &own),
-            our_force: exact.map(|exact| force(flow, exact)),
             our_balance: exact.map(|exact| balance(flow, exact)),
             curves,
         }))
@@ -143,6 +147,7 @@ impl IndependentFlow {
         Held {
             conductance: self.conductance.iter().map(|&g| Some(g)).collect(),
             pressure: self.pressure.iter().map(|&p| Some(p)).collect(),
+            force: Some(self.force.clone()),
             flux: self.flux[2],
         }
     }
@@ -150,15 +155,13 @@ impl IndependentFlow {
 
 impl Distance {
     fn new(places: &[Place], a: &Held, b: &Held) -> Distance {
-        let conductance = ByPlace::relative(
-            places,
-            a.conductance.iter().copied(),
-            b.conductance.iter().copied(),
-        );
+        let conductance =
+            ByPlace::relative(places, a.conductance.iter().copied(), b.conductance.iter().copied());
         let pairs = a.pressure.iter().zip(&b.pressure);
         Distance {
             conductance,
             pressure: Stat::of(pairs.filter_map(|(a, b)| Some((*a)? - (*b)?))),
+            force: a.force.as_ref().zip(b.force.as_ref()).map(|(a, b)| forces(a, b)),
             flux: (a.flux / b.flux - 1.0).abs(),
         }
     }
@@ -169,16 +172,19 @@ fn ours(flow: &Flow) -> Held {
     Held {
         conductance: flow.network.throats.conductance.iter().map(|&g| Some(g)).collect(),
         pressure: flow.pressure().iter().map(|&p| Some(p)).collect(),
+        force: Some(flow.force().to_vec()),
         flux: flow.flux()[2],
     }
 }
 
 /// YADE's flow, on our pores and throats.
-fn yades(theirs: &TheirFlow, matched: &Match) -> Held {
+fn yades(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Held {
+    let push = corner_push(flow).into_iter().map(Option::unwrap_or_default);
     let pressure = |p: &Option<u32>| p.map(|p| theirs.pressure[p as usize]);
     Held {
         conductance: matched.conductances(theirs).collect(),
         pressure: matched.pore.iter().map(pressure).collect(),
+        force: Some(theirs.force.iter().zip(push).map(|(f, push)| f + push).collect()),
         flux: -theirs.flux[2],
     }
 }
@@ -192,12 +198,7 @@ fn own(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Result<Held, Error> 
 
 /// The flow with the conductances of the second evaluation where it has them, at the
 /// walls, and ours elsewhere.
-fn mixed(
-    flow: &Flow,
-    independent: &Independent,
-    model: Model,
-    slip: bool,
-) -> Result<Held, Error> {
+fn mixed(flow: &Flow, independent: &Independent, model: Model, slip: bool) -> Result<Held, Error> {
     let found = independent.conductances(model, slip).to_vec();
     let solution = Solution::new(&flow.network, filled(flow, &found))?;
     Ok(Held::solved(found, solution))
@@ -208,10 +209,9 @@ fn filled(flow: &Flow, found: &[Option<f64>]) -> Vec<f64> {
     ours.iter().enumerate().map(|(k, &g)| found.get(k).copied().flatten().unwrap_or(g)).collect()
 }
 
-fn force(flow: &Flow, exact: &IndependentFlow) -> Stat {
-    let ours = flow.force();
-    let mean = ours.iter().map(|f| f.norm()).sum::<f64>() / ours.len().max(1) as f64;
-    Stat::of(ours.iter().zip(&exact.force).map(|(a, b)| (a - b).norm() / mean))
+fn forces(a: &[Vec3], b: &[Vec3]) -> Stat {
+    let mean = b.iter().map(Vec3::norm).sum::<f64>() / b.len().max(1) as f64;
+    Stat::of(a.iter().zip(b).map(|(a, b)| (a - b).norm() / mean))
 }
 
 fn balance(flow: &Flow, exact: &IndependentFlow) -> f64 {
@@ -221,11 +221,7 @@ fn balance(flow: &Flow, exact: &IndependentFlow) -> f64 {
 }
 
 /// Relative differences of throats at walls at 0, 1, … 100 % of them, ascending.
-fn curve(
-    places: &[Place],
-    a: &[Option<f64>],
-    b: &[Option<f64>],
-) -> Vec<f64> {
+fn curve(places: &[Place], a: &[Option<f64>], b: &[Option<f64>]) -> Vec<f64> {
     let mut values: Vec<f64> = (places.iter().zip(a).zip(b))
         .filter(|((place, _), _)| **place != Place::Inside)
         .filter_map(|((_, a), b)| Some(((*a)? / (*b)? - 1.0).abs()))

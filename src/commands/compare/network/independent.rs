@@ -14,7 +14,7 @@ const SCRIPT: &str = include_str!("../scripts/independent.py");
 
 /// In packings of up to so many spheres every throat is evaluated again, in larger ones
 /// those at the walls.
-const EVERY_THROAT: usize = 1200;
+const EVERY_THROAT: usize = 2500;
 
 /// How the second evaluation takes the walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
