@@ -24,8 +24,13 @@ use crate::report::table::table;
 /// File that marks a result.
 const PAGE: &str = "yade.md";
 /// The packings that are compared when none is named, as they lie in a checkout.
-const PACKINGS: [&str; 3] =
-    ["packings/oedometer-1000.txt", "packings/oedometer-5000.txt", "packings/oedometer-20000.txt"];
+const PACKINGS: [&str; 5] = [
+    "packings/oedometer-1000.txt",
+    "packings/oedometer-5000.txt",
+    "packings/oedometer-20000.txt",
+    "packings/polydisperse-2000.txt",
+    "packings/lattice-1000.txt",
+];
 
 /// What `compare` takes.
 #[derive(clap::Args)]
@@ -52,6 +57,10 @@ struct YadeArgs {
     /// The program to compare with
     #[arg(long, value_name = "PROGRAM", default_value = "yade")]
     yade: PathBuf,
+    /// Instead of the report, write into this folder what both programs and the second
+    /// evaluation find for the network of small packings, as reference for tests
+    #[arg(long, value_name = "DIR", requires = "packings", conflicts_with = "parts")]
+    write_reference: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -122,6 +131,10 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     make_folder(&folder)?;
     let versions = format!("YADE {}", yade.version);
     let bench = Bench::new(folder, yade, &versions)?;
+    if let Some(folder) = &args.write_reference {
+        network::write_reference(&bench, &packings, folder)?;
+        return Ok(Report { yade: bench.peer.version, verdicts: vec![], page: folder.clone() });
+    }
     let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
@@ -154,7 +167,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "YADE {} beside dempfv {}\n", self.yade, env!("CARGO_PKG_VERSION"))?;
         let rows: Vec<Vec<String>> = self.verdicts.iter().map(Verdict::row).collect();
-        write!(f, "{}", table(&Verdict::HEADER, &rows))?;
+        if !rows.is_empty() {
+            write!(f, "{}", table(&Verdict::HEADER, &rows))?;
+        }
         writeln!(f, "\n  written        {}", self.page.display())
     }
 }

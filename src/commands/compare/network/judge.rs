@@ -171,7 +171,7 @@ fn explanation(packing: &Compared, flow: &Difference, quantity: Quantity) -> Opt
     let double = off(&evidence.double_spheres)?;
     let ours = number(ours);
     Some(format!(
-        "YADE's walls are spheres of 50000 H, not planes, and it computes a pore's centre relative to \
+        "YADE's walls are huge spheres, not planes, and it computes a pore's centre relative to \
          the pore's first vertex, which may be one of these: an evaluation at 50 digits is {ours} from \
          ours and {theirs} from YADE's; of that the spheres are {model}, the rest is round-off \
          ({rest}; the same formulas in double precision lose {double})"

@@ -55,7 +55,7 @@ pub fn section(part: &Part, folder: &Path) -> Result<String, Error> {
 const WALLS: &str = "
 ### Walls
 
-Ours are planes. YADE's are spheres of 50000 H; it takes the pore centres from them, relative to a pore's first \
+Ours are planes. YADE's are spheres of radius 50000 H, H being the extent of the spheres along y; it takes the pore centres from them, relative to a pore's first \
 vertex, and where that is such a sphere nine digits are lost. Slip walls, no clamp; largest / median:
 
 ";
@@ -112,7 +112,16 @@ fn overview(packings: &[Compared]) -> String {
     };
     let rows: Vec<_> = packings.iter().map(row).collect();
     let mut text = format!("\n{}", table(&strings(&header), &rows));
-    text += "\nCentres (over the box's edge) and volumes are those of pores without walls, largest / median.\n";
+    text += "\nCentres (over the box's edge) and volumes are those of pores without walls, largest / median.";
+    let exact = packings.iter().map(|p| p.our_volume).filter(|s| s.count > 0);
+    if let Some(worst) = exact.max_by(|a, b| a.largest.total_cmp(&b.largest)) {
+        let off = number(worst.largest);
+        let _ = write!(
+            text,
+            " All our volumes, those at walls too, are within {off} of the 50 digits."
+        );
+    }
+    text += "\n";
     for p in packings.iter().filter(|p| p.differing.count > 0) {
         let why = p.differing.explanation().unwrap_or_else(|| {
             format!("{} of ours have no fifth vertex near their sphere", p.differing.unexplained)

@@ -6,7 +6,8 @@
 #
 #   planes   at 50 digits, the walls being planes;
 #   spheres  at 50 digits, the pores' centres coming from walls that are spheres of
-#            radius 50000 H which touch the planes from outside, as YADE has them;
+#            radius 50000 H which touch the planes from outside, as YADE has them: H
+#            is the extent along y of the spheres, not of the box;
 #   double   the same at 53 bits, the precision of a double, with a pore's centre
 #            computed relative to its first vertex.
 #
@@ -64,6 +65,9 @@ class Packing:
         self.radius = [mpf(s[3]) for s in job["spheres"]]
         self.low = tuple(map(mpf, job["box"][:3]))
         self.high = tuple(map(mpf, job["box"][3:]))
+        top = max(x[1] + r for x, r in zip(self.at, self.radius))
+        bottom = min(x[1] - r for x, r in zip(self.at, self.radius))
+        self.huge = HUGE * (top - bottom)
 
     def is_wall(self, v):
         return v >= self.count
@@ -91,10 +95,9 @@ class Packing:
         if not self.is_wall(v):
             return self.at[v], self.radius[v]
         axis, position, sign = self.plane(v)
-        radius = HUGE * (self.high[1] - self.low[1])
         middle = times(mpf(1) / 2, add(self.low, self.high))
-        at = tuple(position - sign * radius if a == axis else middle[a] for a in range(3))
-        return at, radius
+        at = tuple(position - sign * self.huge if a == axis else middle[a] for a in range(3))
+        return at, self.huge
 
     def center(self, cell, model):
         """The point of equal power to a cell's vertices: three linear equations
@@ -169,6 +172,12 @@ class Facet:
         else:
             outward = dot(s, sub(packing.at[opposite], at[0])) < 0
         self.area = s if outward else times(-1, s)
+        self.size = norm(s)
+        self.sectors = [self.sector(k) for k in range(len(self.spheres))]
+        segments = self.segments()
+        self.is_doubtful = len(segments) > 1
+        rest = self.size - sum(self.sectors) + (segments[0] if segments else 0)
+        self.fluid_area = abs(rest)
 
     def corners(self, k):
         """The facet's other two corners as sphere k sees them."""
@@ -228,12 +237,6 @@ class Throat:
             self.wall[w] = abs(dot(cross(line, edge), packing.inward(w))) / 2
         self.facet = facet
         self.fluid_volume = abs(dot(facet.area, line)) / 3 - solid_volume
-        self.sectors = [facet.sector(k) for k in range(len(facet.spheres))]
-        segments = facet.segments()
-        self.is_doubtful = len(segments) > 1
-        self.size = norm(facet.area)
-        rest = self.size - sum(self.sectors) + (segments[0] if segments else 0)
-        self.fluid_area = abs(rest)
         self.length = norm(line)
 
     def with_slip(self, slip):
@@ -249,9 +252,9 @@ class Throat:
             radius /= sqrt(sqrt(mpf(2) ** len(self.wall)))
         length = max(self.length, 2 * radius / 10**6)
         viscosity = mpf(job["viscosity"])
-        conductance = self.fluid_area * (2 * radius) ** 2 / (8 * viscosity * length)
-        shares = [self.fluid_area * s / solid for s in self.solid.values()]
-        push = [share + sector for share, sector in zip(shares, self.sectors)]
+        conductance = self.facet.fluid_area * (2 * radius) ** 2 / (8 * viscosity * length)
+        shares = [self.facet.fluid_area * s / solid for s in self.solid.values()]
+        push = [share + sector for share, sector in zip(shares, self.facet.sectors)]
         return float(conductance), float(solid), [float(p) for p in push]
 
 
@@ -264,22 +267,25 @@ def evaluate(throat):
     shared = [v for v in job["cells"][throat[0]] if v in job["cells"][throat[1]]]
     (opposite,) = set(job["cells"][throat[0]]) - set(shared)
     near_wall = any(packing.is_wall(v) for c in throat for v in job["cells"][c])
+    mp.dps = DIGITS
+    facet = Facet(shared, opposite)
     out = {}
     for model in MODELS if near_wall else MODELS[:1]:
-        mp.dps = DIGITS
         if model == "double":
             mp.prec = 53
+            facet = Facet(shared, opposite)
         walls = "planes" if model == "planes" else "spheres"
         p, q = (packing.center(job["cells"][c], walls) for c in throat)
-        t = Throat(Facet(shared, opposite), p, q)
+        t = Throat(facet, p, q)
+        excess = facet.fluid_area + sum(facet.sectors) - facet.size
         out[model] = dict(
             length=float(t.length),
             fluid_volume=float(t.fluid_volume),
-            excess=float(t.fluid_area + sum(t.sectors) - t.size),
+            excess=float(excess),
             slip=[t.with_slip(slip) for slip in SLIPS],
-            normal=[float(v / t.size) for v in t.facet.area],
-            spheres=t.facet.spheres,
-            is_doubtful=t.is_doubtful,
+            normal=[float(v / facet.size) for v in facet.area],
+            spheres=facet.spheres,
+            is_doubtful=facet.is_doubtful,
         )
     return out
 
@@ -434,20 +440,6 @@ def pressures(throats, graph):
     return cases
 
 
-def centers():
-    """Of every pore, in every model."""
-    out = {}
-    for model in MODELS:
-        mp.dps = DIGITS
-        if model == "double":
-            mp.prec = 53
-        walls = "planes" if model == "planes" else "spheres"
-        found = (packing.center(c, walls) for c in job["cells"])
-        out[model] = [[float(v) for v in c] for c in found]
-    mp.dps = DIGITS
-    return out
-
-
 def conductances(throats):
     """Per model and slip, without a clamp; null where a model was not evaluated, or
     has none."""
@@ -460,17 +452,18 @@ def conductances(throats):
 
 
 def main():
+    mp.dps = DIGITS
     with multiprocessing.Pool() as pool:
         throats = pool.map(evaluate, job["throats"], chunksize=64)
     result = dict(
-        digits=DIGITS,
-        center=centers(),
-        volume=[float(volume(c)) for c in job["cells"]],
+        volume=[],
         conductance=conductances(throats),
         doubtful=[k for k, t in enumerate(throats) if t["planes"]["is_doubtful"]],
         cases=[],
     )
     undetermined = any(None in t["planes"]["slip"] for t in throats)
+    if job["solve"]:
+        result["volume"] = [float(volume(c)) for c in job["cells"]]
     if job["solve"] and not undetermined:
         result["cases"] = pressures(throats, Graph())
     finish(result)
