@@ -19,9 +19,9 @@ pub struct Distance {
     pub conductance: ByPlace,
     /// Pressures over the imposed difference.
     pub pressure: Stat,
-    /// Forces on spheres over their mean, where both have them; YADE's with the push of the
-    /// corner pores that it leaves out.
-    pub force: Option<Stat>,
+    /// Forces on spheres over their mean; YADE's with the push of the corner pores that it
+    /// leaves out.
+    pub force: Stat,
     /// Flux at the bottom, relative.
     pub flux: f64,
 }
@@ -73,14 +73,14 @@ struct Held {
     conductance: Vec<Option<f64>>,
     pressure: Vec<Option<f64>>,
     /// On each sphere.
-    force: Option<Vec<Vec3>>,
+    force: Vec<Vec3>,
     flux: f64,
 }
 
 impl Held {
     fn solved(conductance: Vec<Option<f64>>, solution: Solution) -> Held {
         let pressure = solution.pressure.into_iter().map(Some).collect();
-        Held { conductance, pressure, force: None, flux: solution.flux[2] }
+        Held { conductance, pressure, force: solution.force, flux: solution.flux[2] }
     }
 }
 
@@ -147,7 +147,7 @@ impl IndependentFlow {
         Held {
             conductance: self.conductance.iter().map(|&g| Some(g)).collect(),
             pressure: self.pressure.iter().map(|&p| Some(p)).collect(),
-            force: Some(self.force.clone()),
+            force: self.force.clone(),
             flux: self.flux[2],
         }
     }
@@ -161,7 +161,7 @@ impl Distance {
         Distance {
             conductance,
             pressure: Stat::of(pairs.filter_map(|(a, b)| Some((*a)? - (*b)?))),
-            force: a.force.as_ref().zip(b.force.as_ref()).map(|(a, b)| forces(a, b)),
+            force: forces(&a.force, &b.force),
             flux: (a.flux / b.flux - 1.0).abs(),
         }
     }
@@ -172,7 +172,7 @@ fn ours(flow: &Flow) -> Held {
     Held {
         conductance: flow.network.throats.conductance.iter().map(|&g| Some(g)).collect(),
         pressure: flow.pressure().iter().map(|&p| Some(p)).collect(),
-        force: Some(flow.force().to_vec()),
+        force: flow.force().to_vec(),
         flux: flow.flux()[2],
     }
 }
@@ -184,7 +184,7 @@ fn yades(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Held {
     Held {
         conductance: matched.conductances(theirs).collect(),
         pressure: matched.pore.iter().map(pressure).collect(),
-        force: Some(theirs.force.iter().zip(push).map(|(f, push)| f + push).collect()),
+        force: theirs.force.iter().zip(push).map(|(f, push)| f + push).collect(),
         flux: -theirs.flux[2],
     }
 }
@@ -196,11 +196,13 @@ fn own(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Result<Held, Error> 
     Ok(Held::solved(found, solution))
 }
 
-/// The flow with the conductances of the second evaluation where it has them, at the
-/// walls, and ours elsewhere.
+/// The flow with the conductances and pushes of the second evaluation where it has them, at
+/// the walls, and ours elsewhere.
 fn mixed(flow: &Flow, independent: &Independent, model: Model, slip: bool) -> Result<Held, Error> {
     let found = independent.conductances(model, slip).to_vec();
-    let solution = Solution::new(&flow.network, filled(flow, &found))?;
+    let mut solution = Solution::new(&flow.network, filled(flow, &found))?;
+    let Solution { pressure, force, .. } = &mut solution;
+    independent.beyond_planes(&flow.network, (model, slip), pressure, force);
     Ok(Held::solved(found, solution))
 }
 

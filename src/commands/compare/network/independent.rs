@@ -43,7 +43,7 @@ struct Job {
 #[derive(Deserialize)]
 struct Answer {
     volume: Vec<f64>,
-    conductance: Vec<Row>,
+    rows: Vec<Row>,
     doubtful: Vec<usize>,
     cases: Vec<IndependentFlow>,
 }
@@ -52,8 +52,12 @@ struct Answer {
 struct Row {
     model: Model,
     slip: bool,
-    values: Vec<Option<f64>>,
+    conductance: Vec<Option<f64>>,
+    push: Vec<Push>,
 }
+
+/// What a throat pushes its spheres by (m²): force per pressure in its first pore.
+type Push = Vec<(u32, Vec3)>;
 
 /// One flow of the second evaluation.
 #[derive(Deserialize)]
@@ -86,6 +90,8 @@ pub struct Independent {
     /// Flows, where all throats were evaluated.
     pub flows: Vec<IndependentFlow>,
     rows: Vec<Row>,
+    /// Throats of the rows' pushes.
+    pushed: Vec<usize>,
 }
 
 impl Independent {
@@ -123,7 +129,10 @@ impl Independent {
         let answer: Answer = bench.python(&step, SCRIPT, &job)?.result;
         let (pores, throats) = (network.pores(), network.throats.pores.len());
         let whole = answer.volume.len() == if all { pores } else { 0 }
-            && answer.conductance.iter().all(|row| row.values.len() == chosen.len())
+            && answer.rows.iter().all(|row| {
+                let pushes = if all { 0 } else { chosen.len() };
+                row.conductance.len() == chosen.len() && row.push.len() <= pushes
+            })
             && answer.cases.iter().all(|case| {
                 let found = [case.conductance.len(), case.pressure.len(), case.force.len()];
                 found == [throats, pores, packing.position.len()]
@@ -134,23 +143,50 @@ impl Independent {
         }
         let spread = |row: Row| {
             let mut values = vec![None; throats];
-            for (&k, value) in chosen.iter().zip(row.values) {
+            for (&k, value) in chosen.iter().zip(row.conductance) {
                 values[k] = value;
             }
-            Row { values, ..row }
+            Row { conductance: values, ..row }
         };
         Ok(Independent {
             volume: answer.volume,
             doubtful: answer.doubtful.len(),
             flows: answer.cases,
-            rows: answer.conductance.into_iter().map(spread).collect(),
+            rows: answer.rows.into_iter().map(spread).collect(),
+            pushed: chosen,
         })
     }
 
     /// Conductances without a clamp; `None` for throats that this model was not asked for:
     /// the walls are far, and it makes no difference.
     pub fn conductances(&self, model: Model, slip: bool) -> &[Option<f64>] {
-        let row = self.rows.iter().find(|row| row.model == model && row.slip == slip);
-        row.map_or(&[], |row| &row.values)
+        self.row(model, slip).map_or(&[], |row| &row.conductance)
+    }
+
+    /// What forces at these pressures are in a model beyond those of walls as planes, where
+    /// the pushes of the throats are known: at walls, in packings that are not solved.
+    pub fn beyond_planes(
+        &self,
+        network: &Network,
+        (model, slip): (Model, bool),
+        pressure: &[f64],
+        force: &mut [Vec3],
+    ) {
+        let rows = self.row(model, slip).zip(self.row(Model::Planes, slip));
+        let Some((row, planes)) = rows else { return };
+        for ((&k, there), here) in self.pushed.iter().zip(&row.push).zip(&planes.push) {
+            let [i, j] = network.throats.pores[k].map(|p| pressure[p as usize]);
+            for (push, sign) in [(there, 1.0), (here, -1.0)] {
+                for (sphere, push) in push {
+                    if let Some(f) = force.get_mut(*sphere as usize) {
+                        *f += sign * (i - j) * push;
+                    }
+                }
+            }
+        }
+    }
+
+    fn row(&self, model: Model, slip: bool) -> Option<&Row> {
+        self.rows.iter().find(|row| row.model == model && row.slip == slip)
     }
 }

@@ -76,16 +76,16 @@ impl Quantity {
         }
     }
 
-    /// The largest difference between two evaluations; `None` where that is not known.
-    pub fn largest(self, distance: &Distance) -> Option<f64> {
-        Some(match self {
+    /// The largest difference between two evaluations.
+    pub fn largest(self, distance: &Distance) -> f64 {
+        match self {
             Quantity::Inside => distance.conductance.inside.largest,
             Quantity::Beside => distance.conductance.beside.largest,
             Quantity::AtWalls => distance.conductance.at_walls.largest,
             Quantity::Pressure => distance.pressure.largest,
-            Quantity::Force | Quantity::CornerForce => distance.force?.largest,
+            Quantity::Force | Quantity::CornerForce => distance.force.largest,
             Quantity::Flux => distance.flux,
-        })
+        }
     }
 }
 
@@ -163,13 +163,15 @@ fn explanation(packing: &Compared, flow: &Difference, quantity: Quantity) -> Opt
         return clamped(packing, flow);
     }
     let evidence = packing.evidence_for(flow)?;
-    let ours = quantity.largest(&evidence.ours_planes).filter(|off| *off <= OURS_EXACT)?;
-    let off = |distance| quantity.largest(distance).map(number);
-    let theirs = off(&evidence.theirs_planes)?;
-    let model = off(&evidence.spheres_planes)?;
-    let rest = off(&evidence.theirs_spheres)?;
-    let double = off(&evidence.double_spheres)?;
-    let ours = number(ours);
+    if quantity.largest(&evidence.ours_planes) > OURS_EXACT {
+        return None;
+    }
+    let off = |distance| number(quantity.largest(distance));
+    let ours = off(&evidence.ours_planes);
+    let theirs = off(&evidence.theirs_planes);
+    let model = off(&evidence.spheres_planes);
+    let rest = off(&evidence.theirs_spheres);
+    let double = off(&evidence.double_spheres);
     Some(format!(
         "YADE's walls are huge spheres, not planes, and it computes a pore's centre relative to \
          the pore's first vertex, which may be one of these: an evaluation at 50 digits is {ours} from \

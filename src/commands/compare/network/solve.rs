@@ -1,5 +1,6 @@
 //! Pressures for conductances of other origin.
 
+use dempfv::Vec3;
 use dempfv::pfv::{Network, Operators};
 use dempfv::solver::SolverKind;
 
@@ -15,6 +16,8 @@ pub struct Solution {
     pub pressure: Vec<f64>,
     /// Per wall, into the box (m³/s).
     pub flux: [f64; 6],
+    /// Per sphere, with the pushes of our throats (N).
+    pub force: Vec<Vec3>,
 }
 
 impl Solution {
@@ -46,6 +49,8 @@ impl Solution {
             operators.pressures(&solution, &mut pressure);
         }
         let flux = operators.flux(&pressure, &at_rest);
-        Ok(Solution { pressure, flux })
+        let mut force = vec![Vec3::zeros(); network.tessellation.spheres];
+        operators.forces(&pressure, &mut force, &mut [Vec3::zeros(); 6]);
+        Ok(Solution { pressure, flux, force })
     }
 }

@@ -440,14 +440,22 @@ def pressures(throats, graph):
     return cases
 
 
-def conductances(throats):
-    """Per model and slip, without a clamp; null where a model was not evaluated, or
-    has none."""
+def rows(throats):
+    """Per model and slip, without a clamp: conductances, null where a model was not
+    evaluated or has none; and where the pressures are not ours to find, what each throat
+    pushes its spheres by, per pressure in its first pore."""
     out = []
     for model in MODELS:
         for s, slip in enumerate(SLIPS):
-            found = [(t.get(model) or dict(slip=[None] * 2))["slip"][s] for t in throats]
-            out.append(dict(model=model, slip=slip, values=[f and f[0] for f in found]))
+            row = dict(model=model, slip=slip, conductance=[], push=[])
+            for t in throats:
+                found = t[model]["slip"][s] if model in t else None
+                row["conductance"].append(found and found[0])
+                if found and not job["solve"]:
+                    normal, spheres = t[model]["normal"], t[model]["spheres"]
+                    push = [[f * n for n in normal] for f in found[2]]
+                    row["push"].append(list(zip(spheres, push)))
+            out.append(row)
     return out
 
 
@@ -457,7 +465,7 @@ def main():
         throats = pool.map(evaluate, job["throats"], chunksize=64)
     result = dict(
         volume=[],
-        conductance=conductances(throats),
+        rows=rows(throats),
         doubtful=[k for k, t in enumerate(throats) if t["planes"]["is_doubtful"]],
         cases=[],
     )
