@@ -24,7 +24,10 @@ use crate::report::table::table;
 /// File that marks a result.
 const PAGE: &str = "yade.md";
 /// The packings that are compared when none is named, as they lie in a checkout.
-const PACKINGS: [&str; 5] = [
+const PACKINGS: [&str; 3] = [SHIPPED[0], SHIPPED[1], SHIPPED[2]];
+/// Those whose networks are compared then: also one of very different spheres, and one that
+/// is nearly a lattice.
+const SHIPPED: [&str; 5] = [
     "packings/oedometer-1000.txt",
     "packings/oedometer-5000.txt",
     "packings/oedometer-20000.txt",
@@ -125,20 +128,21 @@ impl Report {
 /// log of it is.
 pub fn run(args: &Args) -> Result<Report, Error> {
     let Peer::Yade(args) = &args.with;
-    let packings = packings(&args.packings)?;
+    let networks = packings(&args.packings, &SHIPPED)?;
+    let packings = packings(&args.packings, &PACKINGS)?;
     let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
     let yade = peer::Yade::find(&args.yade)?;
     make_folder(&folder)?;
     let versions = format!("YADE {}", yade.version);
     let bench = Bench::new(folder, yade, &versions)?;
     if let Some(folder) = &args.write_reference {
-        network::write_reference(&bench, &packings, folder)?;
+        network::write_reference(&bench, &networks, folder)?;
         return Ok(Report { yade: bench.peer.version, verdicts: vec![], page: folder.clone() });
     }
     let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
-    page.add::<network::Part>(&bench, &packings, chosen(PartName::Network), force)?;
+    page.add::<network::Part>(&bench, &networks, chosen(PartName::Network), force)?;
     page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
     page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;
@@ -148,8 +152,8 @@ pub fn run(args: &Args) -> Result<Report, Error> {
 }
 
 /// The packings to compare on, by absolute path: the other program runs elsewhere.
-fn packings(named: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
-    let shipped = PACKINGS.map(PathBuf::from);
+fn packings(named: &[PathBuf], shipped: &[&str]) -> Result<Vec<PathBuf>, InputError> {
+    let shipped: Vec<PathBuf> = shipped.iter().map(PathBuf::from).collect();
     let wanted = if named.is_empty() { &shipped[..] } else { named };
     let found = wanted.iter().map(|path| {
         std::path::absolute(path).and_then(|p| p.metadata().map(|_| p)).map_err(|e| {

@@ -87,6 +87,10 @@ impl super::Part for Part {
         judge::verdicts(&self.packings)
     }
 
+    fn headline(&self) -> Option<String> {
+        section::headline(&self.packings)
+    }
+
     fn section(&self, folder: &Path) -> Result<String, Error> {
         section::section(self, folder)
     }

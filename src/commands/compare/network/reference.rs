@@ -2,7 +2,6 @@
 //! that have neither.
 
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use dempfv::Vec3;
 use dempfv::io::atomic;
@@ -12,8 +11,8 @@ use serde::Serialize;
 use super::case::{Case, Packing};
 use super::independent::{Independent, IndependentFlow, Model};
 use super::theirs::{Match, TheirFlow, Theirs};
-use crate::commands::Error;
 use crate::commands::compare::peer::Bench;
+use crate::commands::{Error, machine};
 
 /// What a file holds. Vertices are spheres from 0 and, after them, the walls; throats are
 /// pairs of cells.
@@ -104,7 +103,7 @@ impl Reference {
             made: format!(
                 "YADE {version} and mpmath, by `dempfv compare yade --write-reference`, dempfv {}, {}",
                 env!("CARGO_PKG_VERSION"),
-                today()
+                machine::today()
             ),
             cells: theirs.cells.clone(),
             throats: order.iter().map(|&k| network.throats.pores[k].map(number)).collect(),
@@ -166,39 +165,4 @@ fn digits(value: f64, decimals: usize) -> f64 {
 /// A number as a multiple of 1/`unit`.
 fn round(value: f64, unit: f64) -> f64 {
     (value * unit).round() / unit
-}
-
-/// The day, in UTC.
-fn today() -> String {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let (year, month, day) = civil((now.as_secs() / 86_400) as i64);
-    format!("{year}-{month:02}-{day:02}")
-}
-
-/// Year, month and day of a number of days since 1970-01-01. Years are counted from March,
-/// so that the leap day is their last.
-fn civil(days: i64) -> (i64, i64, i64) {
-    // Days since 0000-03-01, in eras of 400 years.
-    let days = days + 719_468;
-    let era = days.div_euclid(146_097);
-    let in_era = days.rem_euclid(146_097);
-    let year = (in_era - in_era / 1460 + in_era / 36_524 - in_era / 146_096) / 365;
-    let in_year = in_era - (365 * year + year / 4 - year / 100);
-    let shifted = (5 * in_year + 2) / 153;
-    let day = in_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
-    (era * 400 + year + i64::from(month <= 2), month, day)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn days_have_dates() {
-        assert_eq!(civil(0), (1970, 1, 1));
-        assert_eq!(civil(59), (1970, 3, 1));
-        assert_eq!(civil(11_016), (2000, 2, 29));
-        assert_eq!(civil(20_779), (2026, 11, 22));
-    }
 }

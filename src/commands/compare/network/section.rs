@@ -53,6 +53,32 @@ pub fn section(part: &Part, folder: &Path) -> Result<String, Error> {
     Ok(text)
 }
 
+/// Pores, and how near both programs are to the second evaluation.
+pub fn headline(packings: &[Compared]) -> Option<String> {
+    let all = || packings.iter().flat_map(|p| &p.evidence);
+    let worst = |of: fn(&Evidence) -> &Distance, value: fn(&Distance) -> f64| {
+        number(all().map(|e| value(of(e))).fold(0.0, f64::max))
+    };
+    let ours = |value| worst(|e| &e.ours_planes, value);
+    let theirs = |value| worst(|e| &e.theirs_planes, value);
+    let (p, f, q): (Cell<f64>, Cell<f64>, Cell<f64>) =
+        (|d| d.pressure.largest, |d| d.force.largest, |d| d.flux);
+    let pores: usize = packings.iter().map(|p| p.pores).sum();
+    let differing: usize = packings.iter().map(|p| p.differing.count).sum();
+    all().next()?;
+    Some(format!(
+        "network: {differing} of {} pores differ; of the pressures, forces and fluxes that an evaluation at 50 \
+         digits finds, ours are off by {}, {} and {}, YADE's by {}, {} and {}",
+        count(pores as u64),
+        ours(p),
+        ours(f),
+        ours(q),
+        theirs(p),
+        theirs(f),
+        theirs(q)
+    ))
+}
+
 const WALLS: &str = "
 ### Walls
 
@@ -184,8 +210,9 @@ fn walls(packings: &[Compared]) -> String {
     table(&strings(&header), &rows)
 }
 
-type Cell = fn(&Distance) -> String;
-const CELLS: &[(&str, Cell)] = &[
+/// Something of a distance.
+type Cell<T> = fn(&Distance) -> T;
+const CELLS: &[(&str, Cell<String>)] = &[
     ("conductances without walls, at a pore with a wall", |d| d.conductance.beside.cell()),
     ("conductances of throats with walls", |d| d.conductance.at_walls.cell()),
     ("pressures", |d| d.pressure.cell()),
