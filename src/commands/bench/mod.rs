@@ -11,7 +11,7 @@ use dempfv::io::atomic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub use self::ours::{History, Run};
+pub use self::ours::Run;
 use super::{Error, context, doctor};
 use crate::report::progress::Progress;
 

@@ -1,6 +1,5 @@
 //! Runs our own program as a user would, in a process of its own.
 
-use std::path::PathBuf;
 use std::process::Command;
 
 use serde_json::Value;
@@ -14,8 +13,6 @@ pub struct Run {
     pub summary: Value,
     /// Its `history.csv`.
     pub history: History,
-    /// Its folder.
-    pub folder: PathBuf,
 }
 
 /// A table of numbers, by column.
@@ -63,6 +60,6 @@ impl<P> Bench<P> {
         let summary = serde_json::from_str(&read("summary.json")?)
             .map_err(|e| wrong(format!("dempfv's summary is none: {e}"), Some(log.clone())))?;
         let history = History::parse(&read("history.csv")?);
-        Ok(Run { summary, history, folder })
+        Ok(Run { summary, history })
     }
 }

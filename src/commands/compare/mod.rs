@@ -27,8 +27,16 @@ use crate::report::table::table;
 /// File that marks a result.
 const PAGE: &str = "yade.md";
 /// The packings that are compared when none is named, as they lie in a checkout.
-const PACKINGS: [&str; 3] =
-    ["packings/oedometer-1000.txt", "packings/oedometer-5000.txt", "packings/oedometer-20000.txt"];
+const PACKINGS: [&str; 3] = [SHIPPED[0], SHIPPED[1], SHIPPED[2]];
+/// Those whose networks are compared then: also one of very different spheres, and one that
+/// is nearly a lattice.
+const SHIPPED: [&str; 5] = [
+    "packings/oedometer-1000.txt",
+    "packings/oedometer-5000.txt",
+    "packings/oedometer-20000.txt",
+    "packings/polydisperse-2000.txt",
+    "packings/lattice-1000.txt",
+];
 
 /// What `compare` takes.
 #[derive(clap::Args)]
@@ -55,7 +63,8 @@ struct YadeArgs {
     /// The program to compare with
     #[arg(long, value_name = "PROGRAM", default_value = "yade")]
     yade: PathBuf,
-    /// Write the small files that the tests compare with to this folder, and measure nothing
+    /// Instead of the report, write what YADE finds into this folder, as reference for
+    /// tests: of small loadings, and of the networks of the packings named
     #[arg(long, value_name = "DIR", conflicts_with = "parts")]
     write_reference: Option<PathBuf>,
     #[command(flatten)]
@@ -122,7 +131,8 @@ impl Report {
 /// log of it is.
 pub fn run(args: &Args) -> Result<Report, Error> {
     let Peer::Yade(args) = &args.with;
-    let packings = packings(&args.packings)?;
+    let networks = packings(&args.packings, &SHIPPED)?;
+    let packings = packings(&args.packings, &PACKINGS)?;
     let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
     let yade = peer::Yade::find(&args.yade)?;
     make_folder(&folder)?;
@@ -131,12 +141,15 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     if let Some(folder) = &args.write_reference {
         make_folder(folder)?;
         reference::write(&bench, folder)?;
+        if !args.packings.is_empty() {
+            network::write_reference(&bench, &networks, folder)?;
+        }
+        return Ok(Report { yade: bench.peer.version, verdicts: vec![], page: folder.clone() });
     }
     let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
-    let all = args.parts.is_empty() && args.write_reference.is_none();
-    let chosen = |part| all || args.parts.contains(&part);
-    page.add::<network::Part>(&bench, &packings, chosen(PartName::Network), force)?;
+    let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
+    page.add::<network::Part>(&bench, &networks, chosen(PartName::Network), force)?;
     page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
     page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;
@@ -146,8 +159,8 @@ pub fn run(args: &Args) -> Result<Report, Error> {
 }
 
 /// The packings to compare on, by absolute path: the other program runs elsewhere.
-fn packings(named: &[PathBuf]) -> Result<Vec<PathBuf>, InputError> {
-    let shipped = PACKINGS.map(PathBuf::from);
+fn packings(named: &[PathBuf], shipped: &[&str]) -> Result<Vec<PathBuf>, InputError> {
+    let shipped: Vec<PathBuf> = shipped.iter().map(PathBuf::from).collect();
     let wanted = if named.is_empty() { &shipped[..] } else { named };
     let found = wanted.iter().map(|path| {
         std::path::absolute(path).and_then(|p| p.metadata().map(|_| p)).map_err(|e| {
@@ -165,7 +178,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "YADE {} beside dempfv {}\n", self.yade, env!("CARGO_PKG_VERSION"))?;
         let rows: Vec<Vec<String>> = self.verdicts.iter().map(Verdict::row).collect();
-        write!(f, "{}", table(&Verdict::HEADER, &rows))?;
+        if !rows.is_empty() {
+            write!(f, "{}", table(&Verdict::HEADER, &rows))?;
+        }
         writeln!(f, "\n  written        {}", self.page.display())
     }
 }

@@ -10,7 +10,7 @@ use super::peer::Bench;
 use crate::commands::Error;
 
 /// File of the packing, beside the others.
-const PACKING: &str = "settled-200.txt";
+const PACKING: &str = "loading-200.txt";
 
 /// A loading in YADE.
 #[derive(Serialize)]
