@@ -21,18 +21,24 @@
 //! # Ok::<(), dempfv::Error>(())
 //! ```
 
+mod auto_interval;
+mod background;
 mod clock;
 mod coupled;
 mod error;
+mod networks;
 mod observe;
 mod outcome;
 mod phases;
+mod remesh;
 mod setup;
 mod simulation;
 mod stages;
+mod wet;
 
+pub use background::{NetworkBuilder, Order, StandardBuilder};
 pub use clock::{TimeStepBounds, viscous_time_step};
-pub use coupled::{Coupled, FluidState, RemeshRule, Saturation};
+pub use coupled::{Coupled, Saturation};
 pub use error::CouplingError;
 pub use observe::Observation;
 pub use outcome::{
@@ -40,5 +46,6 @@ pub use outcome::{
     PermeabilityTest, Profile, StageOutcome,
 };
 pub use phases::{Phase, Phases};
+pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
 pub use setup::initial_packing;
 pub use simulation::{Simulation, State};

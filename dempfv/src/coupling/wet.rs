@@ -1,0 +1,72 @@
+//! A network in use.
+
+use super::phases::{Phase, Phases};
+use super::remesh::{FluidState, RemeshRule};
+use crate::pfv::Flow;
+use crate::{Result, Vec3, WallId};
+
+/// What the fluid feels of spheres and walls in a step.
+pub(super) struct Motion<'a> {
+    /// Velocity of each sphere (m/s).
+    pub velocity: &'a [Vec3],
+    /// Velocity of each wall along its axis (m/s).
+    pub walls: [f64; 6],
+    /// Which walls a servo moves.
+    pub servo: [bool; 6],
+    /// The time step (s).
+    pub dt: f64,
+}
+
+/// A network, and what a checkpoint must know of it.
+pub(super) struct Wet {
+    pub flow: Flow,
+    pub state: FluidState,
+    /// The fluid's resistance to each servo-controlled wall (N·s/m), once it
+    /// is known for this network.
+    resistance: [Option<f64>; 6],
+}
+
+impl Wet {
+    pub fn new(flow: Flow, state: FluidState) -> Wet {
+        Wet { flow, state, resistance: [None; 6] }
+    }
+
+    /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
+    /// 2020).
+    pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
+        let flow = &mut self.flow;
+        phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
+        phases.time(Phase::Solve, || flow.update_pressure())?;
+        for wall in WallId::ALL {
+            let known = &mut self.resistance[wall.index()];
+            if motion.servo[wall.index()] && known.is_none() {
+                *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
+            }
+        }
+        phases.time(Phase::FluidForces, || flow.update_force());
+        for (change, rate) in self.state.volume_change.iter_mut().zip(flow.volume_rate()) {
+            *change += rate * motion.dt;
+        }
+        self.state.since += 1;
+        Ok(())
+    }
+
+    /// The fluid's resistance to each wall (N·s/m); 0 where nobody asked.
+    pub fn resistance(&self) -> [f64; 6] {
+        self.resistance.map(|r| r.unwrap_or(0.0))
+    }
+
+    /// What a checkpoint needs, but for what is on its way.
+    pub fn saved(&self) -> FluidState {
+        FluidState { solution: self.flow.solution().to_vec(), ..self.state.clone() }
+    }
+
+    /// How far the pores have come towards the limit of their strain: 1 where
+    /// the first has reached it; 0 without the rule.
+    pub fn strain(&self, rule: &RemeshRule) -> f64 {
+        let Some(limit) = rule.strain else { return 0.0 };
+        let volume = self.flow.network.volume.iter();
+        let strains = volume.zip(&self.state.volume_change).map(|(v, change)| (change / v).abs());
+        strains.fold(0.0, f64::max) / limit
+    }
+}
