@@ -230,8 +230,8 @@ impl Coupled {
         self.steps
     }
 
-    /// Says how many steps were done before, this object's or others'. Not to
-    /// be called while the pores are filled, except before a restore.
+    /// Says how many steps were done before, this object's or others'. Networks
+    /// in use have counted along.
     pub(super) fn count_from(&mut self, steps: u64) {
         self.steps = steps;
     }
@@ -243,7 +243,7 @@ impl Coupled {
 
     /// What a checkpoint needs beside the state of the mechanics.
     pub fn fluid_state(&self) -> Option<FluidState> {
-        self.networks.state()
+        self.networks.state(self.steps)
     }
 
     /// Builds the network of a checkpoint again, bit for bit; in the
@@ -253,6 +253,7 @@ impl Coupled {
     /// As a remesh.
     pub fn restore_fluid(&mut self, saturation: Saturation, state: FluidState) -> Result<()> {
         self.saturation = Some(saturation);
+        self.steps = state.step();
         let site = Site { dem: &self.dem, saturation: &saturation, step: self.steps };
         self.networks.restore(state, site, &mut self.phases)
     }

@@ -245,7 +245,7 @@ impl Networks {
             }
             _ => {
                 if self.acceleration.on_failure == OnFailure::Stop {
-                    self.make_room();
+                    self.make_room(site.step);
                 }
                 self.build(&snapshot, site, phases)
             }
@@ -296,9 +296,9 @@ impl Networks {
     }
 
     /// Frees the network in use but for what its successor needs.
-    fn make_room(&mut self) {
+    fn make_room(&mut self, step: u64) {
         if let Some(wet) = self.current.take() {
-            let state = wet.saved();
+            let state = wet.saved(step);
             let (pressures, spare) = wet.flow.retire();
             self.legacy = Some(Legacy { pressures, state });
             self.spare = spare;
@@ -332,7 +332,7 @@ impl Networks {
 
     /// Builds the network of the moment in the place of the one in use.
     fn build_here(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
-        self.make_room();
+        self.make_room(site.step);
         let snapshot = Snapshot::of(site.dem, site.step);
         let flow = self
             .build(&snapshot, site, phases)
@@ -347,7 +347,7 @@ impl Networks {
         let start = Instant::now();
         self.count(&flow);
         let beside = self.current.as_ref().map(|wet| wet.flow.has_pattern_of(&flow));
-        self.make_room();
+        self.make_room(site.step);
         // Two networks at once take enough memory. Only where the one after
         // next may be expected to have the old pattern too is a factor kept.
         if beside == Some(false) {
@@ -367,7 +367,14 @@ impl Networks {
             }
         };
         let state =
-            FluidState { snapshot, since: 0, volume_change, solution: vec![], pending: None };
+            FluidState {
+            step: site.step,
+            snapshot,
+            since: 0,
+            volume_change,
+            solution: vec![],
+            pending: None,
+        };
         self.current = Some(Wet::new(flow, state));
         self.auto.swapped();
         phases.add(Phase::Swap, start.elapsed());
@@ -399,10 +406,10 @@ impl Networks {
         self.auto.stepped(took);
     }
 
-    /// What a checkpoint needs.
-    pub fn state(&self) -> Option<FluidState> {
+    /// What a checkpoint needs after so many steps.
+    pub fn state(&self, step: u64) -> Option<FluidState> {
         let kept = self.legacy.as_ref().map(|legacy| legacy.state.clone());
-        let state = self.current.as_ref().map(Wet::saved).or(kept)?;
+        let state = self.current.as_ref().map(|wet| wet.saved(step)).or(kept)?;
         let pending = self.pending.as_ref().map(|pending| pending.snapshot.clone());
         Some(FluidState { pending, ..state })
     }

@@ -37,6 +37,8 @@ impl Snapshot {
 /// What a checkpoint must hold to go on with the same networks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FluidState {
+    /// Steps done when the state was taken.
+    pub(super) step: u64,
     /// What the network in use was built from.
     pub(super) snapshot: Snapshot,
     /// Steps since it came into use, or since a remesh failed.
@@ -48,6 +50,13 @@ pub struct FluidState {
     pub(super) solution: Vec<f64>,
     /// What the next network is being built from.
     pub(super) pending: Option<Snapshot>,
+}
+
+impl FluidState {
+    /// Steps done when the state was taken.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
 }
 
 /// What happened at remeshes, since the simulation began or was restarted.

@@ -56,9 +56,9 @@ impl Wet {
         self.resistance.map(|r| r.unwrap_or(0.0))
     }
 
-    /// What a checkpoint needs, but for what is on its way.
-    pub fn saved(&self) -> FluidState {
-        FluidState { solution: self.flow.solution().to_vec(), ..self.state.clone() }
+    /// What a checkpoint needs after so many steps, but for what is on its way.
+    pub fn saved(&self, step: u64) -> FluidState {
+        FluidState { step, solution: self.flow.solution().to_vec(), ..self.state.clone() }
     }
 
     /// How far the pores have come towards the limit of their strain: 1 where
