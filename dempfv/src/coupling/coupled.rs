@@ -155,8 +155,7 @@ impl Coupled {
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
-        let (force, wall_force) =
-            wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
+        let (force, wall_force) = wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
         phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
         Ok(())
     }

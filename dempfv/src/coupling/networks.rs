@@ -159,8 +159,9 @@ impl Networks {
     /// # Errors
     /// Why there is none.
     pub fn prepare(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
-        if self.current.is_none() {
-            self.forget_pending();
+        // Positions without a network in use are those of a remesh that failed
+        // after the old one had made room.
+        if self.current.is_none() && !(self.pending.is_some() && self.swap(site, phases)?) {
             self.build_here(site, phases)?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
@@ -361,13 +362,11 @@ impl Networks {
             None => vec![],
             Some(_) if snapshot.step == site.step => vec![0.0; flow.network.pores()],
             Some(_) => {
-                let now =
-                    flow.network.volumes_at(&site.dem.particles().position, &site.dem.box_());
+                let now = flow.network.volumes_at(&site.dem.particles().position, &site.dem.box_());
                 now.iter().zip(&flow.network.volume).map(|(now, then)| now - then).collect()
             }
         };
-        let state =
-            FluidState {
+        let state = FluidState {
             step: site.step,
             snapshot,
             since: 0,
@@ -419,7 +418,12 @@ impl Networks {
     ///
     /// # Errors
     /// As a remesh.
-    pub fn restore(&mut self, mut state: FluidState, site: Site, phases: &mut Phases) -> Result<()> {
+    pub fn restore(
+        &mut self,
+        mut state: FluidState,
+        site: Site,
+        phases: &mut Phases,
+    ) -> Result<()> {
         self.clear();
         let pending = state.pending.take();
         let mut flow = self

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
 use super::coupled::Coupled;
-use super::remesh::FluidState;
 use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::remesh::FluidState;
 use super::setup;
 use super::stages::{Active, Context, Progress};
 use super::{Observation, TimeStepBounds};

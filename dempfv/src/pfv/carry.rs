@@ -20,7 +20,13 @@ pub struct Carried {
 impl Carried {
     pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> Carried {
         let Network { tessellation, center, .. } = network;
-        Carried { spheres: tessellation.spheres, cells: tessellation.cells, center, pressure, around }
+        Carried {
+            spheres: tessellation.spheres,
+            cells: tessellation.cells,
+            center,
+            pressure,
+            around,
+        }
     }
 
     /// Writes the pressures (Pa) of another network's unknowns. Leaves them as
