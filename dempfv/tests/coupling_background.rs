@@ -3,14 +3,14 @@
 //! them.
 
 mod common;
-mod coupling_support;
+mod moving;
 
 use common::settled;
-use coupling_support::moving::{DT, bits, course, dem_of, drained, every, mode, moving};
 use dempfv::coupling::{Coupled, RemeshRule};
 use dempfv::dem::{Dem, DemOptions, WallControl};
 use dempfv::scene::{Acceleration, RemeshMode, Swap};
 use dempfv::{Vec3, WallId};
+use moving::{DT, bits, course, dem_of, drained, every, mode, moving};
 
 use RemeshMode::{Ahead, AtOnce, Background};
 

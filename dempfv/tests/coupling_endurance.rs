@@ -2,14 +2,14 @@
 //! deadlock, no thread left behind, and no memory that grows.
 
 mod common;
-mod coupling_support;
+mod moving;
 
 use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use coupling_support::moving::{DT, course, every, mode, moving};
 use dempfv::scene::{Acceleration, RemeshMode};
+use moving::{DT, course, every, mode, moving};
 
 /// Memory and threads are the process's: one test at a time.
 static ALONE: Mutex<()> = Mutex::new(());

@@ -2,20 +2,20 @@
 //! while one is being built.
 
 mod common;
-mod coupling_support;
+mod moving;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use coupling_support::moving::{DT, bits, course, drained, every, mode, moving};
 use dempfv::coupling::{Coupled, CouplingError, NetworkBuilder, Order, StandardBuilder};
 use dempfv::dem::{Dem, DemOptions};
 use dempfv::pfv::Flow;
 use dempfv::scene::{Acceleration, OnFailure, RemeshMode};
 use dempfv::solver::SolverError;
 use dempfv::{Error, Result};
+use moving::{DT, bits, course, drained, every, mode, moving};
 
 use RemeshMode::{Ahead, AtOnce, Background};
 

@@ -1,8 +1,6 @@
 //! Scenes that several tests of the coupling start from.
 #![allow(dead_code, reason = "every test file uses some of these")]
 
-pub mod moving;
-
 use dempfv::coupling::Simulation;
 use dempfv::scene::Plan;
 

@@ -1,5 +1,6 @@
 //! Loose spheres that fly about in a fluid, so that every network differs from
 //! the one before.
+#![allow(dead_code, reason = "every test file uses some of these")]
 
 use dempfv::coupling::{Coupled, RemeshRule, Saturation};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallControl, WallMaterial};
