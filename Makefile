@@ -10,10 +10,15 @@ PACKAGES := libsuitesparse-dev libmetis-dev libopenblas-dev libcgal-dev libclang
 # What reads the VTK files back in the tests.
 TEST_PACKAGES := python3-venv
 
+MEMCHECK_PACKAGES := valgrind
+VALGRIND := ["valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite", \
+	"--errors-for-leak-kinds=definite"]
+UNDER_VALGRIND = cargo test --locked --config 'target."cfg(unix)".runner = $(VALGRIND)'
+
 DEMO := out/oedometer
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test package-test bench install-packages install-test-packages
+.PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck bench install-packages install-test-packages install-memcheck-packages
 
 help: ## List these commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -46,6 +51,18 @@ demo-test: demo install-test-packages
 package-test: install-packages
 	cargo package --workspace --locked --allow-dirty
 
+# Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
+# included. One thread for OpenBLAS: its others are valgrind's to run in turn.
+memcheck: install-packages install-memcheck-packages ## Look for memory errors and leaks, under valgrind (minutes)
+	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p cgal-sys -p cholmod-sys --lib
+	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p dempfv --test pfv_renewal --test coupling_failures -- --test-threads=1
+
+# Needs a nightly toolchain with rust-src. What C++ and C do among themselves is not seen.
+racecheck: install-packages ## Look for data races in the hand-over to the background, by ThreadSanitizer (minutes)
+	RUSTFLAGS="-Zsanitizer=thread" TSAN_OPTIONS="halt_on_error=1" CARGO_TARGET_DIR=target/races \
+		cargo +nightly test -Zbuild-std --target $(shell rustc -vV | sed -n 's/host: //p') --locked -p dempfv \
+		--test coupling_background --test coupling_failures --test coupling_endurance
+
 bench: install-packages ## Time a step, a network, a solve, by criterion
 	cargo bench --workspace --locked
 
@@ -54,3 +71,6 @@ install-packages:
 
 install-test-packages:
 	@tests/install.sh $(TEST_PACKAGES)
+
+install-memcheck-packages:
+	@tests/install.sh $(MEMCHECK_PACKAGES)

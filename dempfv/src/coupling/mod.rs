@@ -20,6 +20,11 @@
 //! }
 //! # Ok::<(), dempfv::Error>(())
 //! ```
+//!
+//! What makes a coupled run faster is an [`Acceleration`](crate::scene::Acceleration):
+//! networks that are built in the background while the steps go on, and tasks
+//! beside each other. Each can be used alone, and none changes a bit of the
+//! results but by the moment at which a network comes into use.
 
 mod auto_interval;
 mod background;
