@@ -12,12 +12,18 @@ TEST_PACKAGES := python3-venv
 # What the comparison runs beside ours, and what checks both.
 YADE_PACKAGES := yade python3-numpy python3-mpmath
 
+MEMCHECK_PACKAGES := valgrind
+VALGRIND := ["valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite", \
+	"--errors-for-leak-kinds=definite"]
+UNDER_VALGRIND = cargo test --locked --config 'target."cfg(unix)".runner = $(VALGRIND)'
+
 DEMO := out/oedometer
 COMPARISON := out/compare-yade
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test package-test \
-	compare-yade yade-test bench install-packages install-test-packages install-yade
+.PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
+	compare-yade yade-test bench install-packages install-test-packages install-yade \
+	install-memcheck-packages
 
 help: ## List these commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -63,6 +69,18 @@ yade-test: build install-yade
 	$(DEMPFV) compare yade packings/oedometer-1000.txt packings/oedometer-5000.txt \
 	    --part network --part dry --part coupled --out out/yade-test --force
 
+# Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
+# included. One thread for OpenBLAS: its others are valgrind's to run in turn.
+memcheck: install-packages install-memcheck-packages ## Look for memory errors and leaks, under valgrind (minutes)
+	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p cgal-sys -p cholmod-sys --lib
+	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p dempfv --test pfv_renewal --test coupling_failures -- --test-threads=1
+
+# Needs a nightly toolchain with rust-src. What C++ and C do among themselves is not seen.
+racecheck: install-packages ## Look for data races in the hand-over to the background, by ThreadSanitizer (minutes)
+	RUSTFLAGS="-Zsanitizer=thread" TSAN_OPTIONS="halt_on_error=1" CARGO_TARGET_DIR=target/races \
+		cargo +nightly test -Zbuild-std --target $(shell rustc -vV | sed -n 's/host: //p') --locked -p dempfv \
+		--test coupling_background --test coupling_failures --test coupling_endurance
+
 bench: install-packages ## Time a step, a network, a solve, by criterion
 	cargo bench --workspace --locked
 
@@ -74,3 +92,6 @@ install-test-packages:
 
 install-yade:
 	@tests/install.sh $(YADE_PACKAGES)
+
+install-memcheck-packages:
+	@tests/install.sh $(MEMCHECK_PACKAGES)

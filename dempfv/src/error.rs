@@ -90,6 +90,14 @@ pub enum Error {
         /// What failed.
         source: SolverError,
     },
+    /// A network cannot be built from the positions of an earlier step.
+    #[error("the network of the positions at step {step}: {source}")]
+    Snapshot {
+        /// Step at which the positions were taken.
+        step: u64,
+        /// What failed.
+        source: Box<Error>,
+    },
     /// A failure of the simulation, with the step at which it arose.
     #[error("step {step}: {source}")]
     AtStep {

@@ -77,13 +77,17 @@ fn temporary(name: &str) -> PathBuf {
 }
 
 /// N steps, a checkpoint on disk, and M more are N + M steps, bit for bit: at
-/// the start and in the middle of every kind of stage, with both remesh rules.
+/// the start and in the middle of every kind of stage, with both remesh rules and with a network
+/// on its way.
 #[test]
 fn a_restart_changes_no_bit() {
     for (name, remesh) in [
         ("interval", "remesh_interval = 40"),
         ("strain", "remesh_strain = 1e-3"),
         ("both", "remesh_interval = 50\nremesh_strain = 2e-3"),
+        // Its positions are taken 60 steps into each stage.
+        ("background", "remesh_interval = 40\nremesh = \"background\"\nparallel_tasks = true"),
+        ("ahead", "remesh_interval = 50\nremesh_strain = 2e-3\nremesh = \"ahead\""),
     ] {
         let text = all_stages(remesh);
         let (states, expected, end) = with_states(&text);

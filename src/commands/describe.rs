@@ -97,14 +97,33 @@ pub fn fluid(fluid: &Fluid, coupled: bool) -> String {
     }
     let pressures: Vec<String> =
         fluid.pressure_walls().map(|(wall, p)| format!("{} on {wall}", si(p, "Pa"))).collect();
-    let interval = fluid.remesh_interval.map(|n| format!("every {} steps", count(n)));
+    let how = fluid.acceleration;
+    let interval = match fluid.remesh_interval {
+        _ if how.auto_interval => Some("as often as the background can follow".to_owned()),
+        interval => interval.map(|n| format!("every {} steps", count(n))),
+    };
     let strain = fluid
         .remesh_strain
         .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
     let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
     format!(
-        "{viscosity}; {}, no flow through other walls; remesh {}",
+        "{viscosity}; {}, no flow through other walls; remesh {}{}",
         pressures.join(", "),
-        remesh.join(" or ")
+        remesh.join(" or "),
+        renewal(&how),
     )
+}
+
+/// From which positions networks are built, and by whom, unless plainly.
+fn renewal(how: &Acceleration) -> &'static str {
+    match (how.remesh, how.swap) {
+        (RemeshMode::AtOnce, _) => "",
+        (RemeshMode::Ahead, _) => ", of the positions of half as long before",
+        (RemeshMode::Background, Swap::WhenDue) => {
+            ", of the positions of half as long before, in the background"
+        }
+        (RemeshMode::Background, Swap::WhenReady) => {
+            ", in the background, in use as soon as it is ready"
+        }
+    }
 }

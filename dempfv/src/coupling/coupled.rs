@@ -1,22 +1,18 @@
-//! One step of spheres and fluid together, and the rule for remeshing.
+//! One step of spheres and fluid together.
 
-use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::time::Instant;
 
+use super::background::NetworkBuilder;
+use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
-use super::setup::with_users_numbers;
-use crate::dem::{Dem, WallControl};
-use crate::pfv::{BuildTimes, Flow, Fluid, NONE};
+use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
+use super::wet::Motion;
+use crate::dem::{Dem, DemError, WallControl};
+use crate::pfv::{BuildTimes, Flow, Fluid};
+use crate::scene::Acceleration;
 use crate::solver::SolverKind;
-use crate::{Aabb, Result, Vec3, WallId};
-
-/// When the pore network is built anew: whichever comes first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RemeshRule {
-    /// After so many steps (λ_rm).
-    pub interval: Option<u64>,
-    /// When a pore's volume has changed by this share (eq. 14 of Caulk 2020).
-    pub strain: Option<f64>,
-}
+use crate::{Result, Vec3};
 
 /// A fluid in the pores: what it is, and how its flow is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,33 +25,6 @@ pub struct Saturation {
     pub remesh: RemeshRule,
 }
 
-/// What a checkpoint must hold to go on with the same network.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FluidState {
-    /// Sphere centres when the network was built (m).
-    position: Vec<Vec3>,
-    /// Box when the network was built (m).
-    bounds: Aabb,
-    /// Steps done with this network.
-    age: u64,
-    /// Change of each pore's volume since then (m³); empty without the strain rule.
-    volume_change: Vec<f64>,
-    /// Unknown pressures that the next solve goes on from (Pa); empty before
-    /// the first.
-    solution: Vec<f64>,
-}
-
-/// A network in use.
-struct Wet {
-    flow: Flow,
-    state: FluidState,
-    /// The fluid's resistance to each servo-controlled wall (N·s/m), once it
-    /// is known for this network.
-    resistance: [Option<f64>; 6],
-    /// The pore of each probe; [`NONE`] outside the box.
-    probed: Vec<u32>,
-}
-
 /// Spheres, and the fluid between them where there is one.
 ///
 /// A step follows eqs. 1 to 13 of Caulk 2020: contacts, `V̇ = E v`,
@@ -64,13 +33,16 @@ pub struct Coupled {
     /// The mechanics.
     pub dem: Dem,
     saturation: Option<Saturation>,
-    wet: Option<Wet>,
+    networks: Networks,
     /// Points whose pore pressure is of interest (m).
     probes: Vec<Vec3>,
-    remeshes: u64,
+    /// Steps done.
+    steps: u64,
     largest_residual: f64,
     largest_imbalance: f64,
     phases: Phases,
+    /// Scratch: the velocities that the fluid reads beside the contacts.
+    velocity: Vec<Vec3>,
 }
 
 impl Coupled {
@@ -79,124 +51,122 @@ impl Coupled {
         Coupled {
             dem,
             saturation: None,
-            wet: None,
+            networks: Networks::new(),
             probes: vec![],
-            remeshes: 0,
+            steps: 0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             phases: Phases::default(),
+            velocity: vec![],
         }
     }
 
     /// Fills the pores; the network is built at the next step.
     pub fn saturate(&mut self, saturation: Saturation) {
         if self.saturation != Some(saturation) {
-            self.wet = None;
+            self.networks.outdate();
         }
         self.saturation = Some(saturation);
     }
 
-    /// Empties the pores: no fluid from the next step on.
+    /// Empties the pores: no fluid from the next step on. A network that is
+    /// being built in the background is cancelled.
     pub fn drain(&mut self) {
         self.saturation = None;
-        self.wet = None;
+        self.networks.clear();
+    }
+
+    /// Changes how networks are renewed, and whether the fluid is computed
+    /// beside the contacts.
+    pub fn accelerate(&mut self, acceleration: Acceleration) {
+        self.networks.accelerate(acceleration);
+    }
+
+    /// Changes who builds networks.
+    pub fn build_with(&mut self, builder: Arc<dyn NetworkBuilder>) {
+        self.networks.build_with(builder);
     }
 
     /// Advances everything by `dt` (s).
     ///
     /// # Errors
     /// What the mechanics, the network or the solver report; the state is then
-    /// that of a failed step.
+    /// that of a failed step. [`Error::Snapshot`](crate::Error::Snapshot) for a
+    /// network that was built from the positions of an earlier step.
     pub fn step(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, phases, .. } = self;
-        phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        if self.saturation.is_none() {
-            let dem = &mut self.dem;
-            dem.set_wall_resistance([0.0; 6]);
-            return Ok(self.phases.time(Phase::Integration, || dem.integrate(dt, None, None))?);
-        }
-        self.remesh_if_due()?;
-        self.update_fluid(dt)?;
-        let Coupled { dem, wet, phases, .. } = self;
-        let (force, wall_force) = match wet {
-            Some(wet) => (Some(wet.flow.force()), Some(wet.flow.wall_force())),
-            None => (None, None),
-        };
-        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
-        Ok(())
-    }
-
-    fn remesh_if_due(&mut self) -> Result<()> {
-        let Some(saturation) = self.saturation else { return Ok(()) };
-        if self.wet.as_ref().is_none_or(|wet| wet.is_due(&saturation.remesh)) {
-            // Two networks at once would take twice the memory.
-            self.wet = None;
-            let position = self.dem.particles().position.clone();
-            let fresh = FluidState {
-                position,
-                bounds: self.dem.box_(),
-                age: 0,
-                volume_change: vec![],
-                solution: vec![],
-            };
-            self.mesh(saturation, fresh)?;
-            self.remeshes += 1;
-        }
-        Ok(())
-    }
-
-    /// Builds the network for the positions that a fluid state names.
-    fn mesh(&mut self, saturation: Saturation, mut state: FluidState) -> Result<()> {
-        let particles = self.dem.particles();
-        let Saturation { fluid, solver, .. } = saturation;
-        let mut flow = Flow::new(&state.position, &particles.radius, state.bounds, &fluid, solver)
-            .map_err(|e| with_users_numbers(e, particles))?;
-        flow.resume(&state.solution);
-        self.book_flow(flow.build_times());
-        if saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
-            state.volume_change = vec![0.0; flow.network.pores()];
-        }
-        let cells = &flow.network.tessellation;
-        let place = |x: &Vec3| match state.bounds.contains(x) {
-            true => cells.locate(&state.position, x),
-            false => NONE,
-        };
-        let probed = self.probes.iter().map(place).collect();
-        self.wet = Some(Wet { flow, state, resistance: [None; 6], probed });
-        Ok(())
-    }
-
-    fn update_fluid(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, wet: Some(wet), phases, .. } = self else { return Ok(()) };
-        let walls = dem.walls().each_ref().map(|w| w.velocity);
-        let flow = &mut wet.flow;
-        phases.time(Phase::VolumeRates, || {
-            flow.update_volume_rate(&dem.particles().velocity, &walls)
-        });
-        phases.time(Phase::Solve, || flow.update_pressure())?;
-        for wall in WallId::ALL {
-            let servo = matches!(dem.walls()[wall.index()].control, WallControl::Servo { .. });
-            if servo && wet.resistance[wall.index()].is_none() {
-                let found = phases.time(Phase::Solve, || flow.wall_resistance(wall))?;
-                wet.resistance[wall.index()] = Some(found);
+        let Some(saturation) = self.saturation else { return self.dry_step(dt) };
+        let mut start = Instant::now();
+        let beside = self.networks.acceleration().parallel_tasks
+            && self.networks.is_idle(&saturation.remesh);
+        if beside {
+            self.contacts_beside_fluid(dt)?;
+        } else {
+            let Coupled { dem, phases, networks, probes, .. } = self;
+            phases.time(Phase::Contacts, || dem.compute_contacts())?;
+            let before = Instant::now();
+            networks.prepare(Site { dem, saturation: &saturation, step: self.steps }, phases)?;
+            // A step's own time is without its remesh.
+            start += before.elapsed();
+            if let Some(wet) = &mut networks.current {
+                wet.watch(probes);
+                let velocity = &dem.particles().velocity;
+                wet.advance(&motion(dem, velocity, dt), phases)?;
             }
         }
-        dem.set_wall_resistance(wet.resistance.map(|r| r.unwrap_or(0.0)));
-        phases.time(Phase::FluidForces, || flow.update_force());
-        for (change, rate) in wet.state.volume_change.iter_mut().zip(flow.volume_rate()) {
-            *change += rate * dt;
+        self.integrate(dt)?;
+        self.networks.stepped(start.elapsed());
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn dry_step(&mut self, dt: f64) -> Result<()> {
+        let Coupled { dem, phases, .. } = self;
+        phases.time(Phase::Contacts, || dem.compute_contacts())?;
+        dem.set_wall_resistance([0.0; 6]);
+        phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// Contact forces, and beside them the fluid's: both follow from positions
+    /// and velocities of before the step, so the bits are those of one after
+    /// the other.
+    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
+        let Coupled { dem, networks, phases, velocity, .. } = self;
+        velocity.clone_from(&dem.particles().velocity);
+        let motion = motion(dem, velocity, dt);
+        let mut fluid_phases = Phases::default();
+        let mut contact_phases = Phases::default();
+        let (contacts, fluid): (Result<(), DemError>, Result<()>) = rayon::join(
+            || contact_phases.time(Phase::Contacts, || dem.compute_contacts()),
+            || match &mut networks.current {
+                Some(wet) => wet.advance(&motion, &mut fluid_phases),
+                None => Ok(()),
+            },
+        );
+        phases.merge(&contact_phases);
+        phases.merge(&fluid_phases);
+        contacts?;
+        fluid
+    }
+
+    /// Moves walls and spheres under both forces.
+    fn integrate(&mut self, dt: f64) -> Result<()> {
+        let Coupled { dem, networks, phases, .. } = self;
+        let wet = networks.current.as_ref();
+        dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
+        if let Some(flow) = wet.map(|wet| &wet.flow) {
+            self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
+            self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
-        wet.state.age += 1;
-        self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
-        self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
+        let (force, wall_force) = wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
+        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
         Ok(())
     }
 
     /// Books what building a network took.
     pub(super) fn book_flow(&mut self, times: BuildTimes) {
-        self.phases.add(Phase::Network, times.network);
-        self.phases.add(Phase::Analyze, times.analyze);
-        self.phases.add(Phase::Factor, times.factor);
+        self.phases.book_build(times);
     }
 
     /// Runs dry mechanics and books their time.
@@ -207,7 +177,7 @@ impl Coupled {
 
     /// The flow of the last step; `None` where the pores are empty.
     pub fn flow(&self) -> Option<&Flow> {
-        self.wet.as_ref().map(|wet| &wet.flow)
+        self.networks.current.as_ref().map(|wet| &wet.flow)
     }
 
     /// The fluid and how its flow is computed; `None` where the pores are empty.
@@ -223,22 +193,35 @@ impl Coupled {
     /// Pressure of the pore that contained each watched point when the network was built
     /// (Pa). NaN where there is no network, and for a point that was outside its box.
     pub fn probe_pressures(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.probes.len()).map(|k| {
-            let wet = self.wet.as_ref();
-            let pore = wet.and_then(|wet| Some((wet, *wet.probed.get(k)?)));
-            let pressure = pore.and_then(|(wet, pore)| wet.flow.pressure().get(pore as usize));
-            pressure.copied().unwrap_or(f64::NAN)
-        })
+        let wet = self.networks.current.as_ref();
+        (0..self.probes.len()).map(move |k| wet.map_or(f64::NAN, |wet| wet.probe_pressure(k)))
     }
 
-    /// Steps done with the current network.
+    /// How networks are renewed.
+    pub fn acceleration(&self) -> &Acceleration {
+        self.networks.acceleration()
+    }
+
+    /// Steps since the positions that the current network was built from.
     pub fn network_age(&self) -> u64 {
-        self.wet.as_ref().map_or(0, |wet| wet.state.age)
+        let built_at = self.networks.current.as_ref().map(|wet| wet.state.snapshot.step);
+        built_at.map_or(0, |step| self.steps - step)
     }
 
-    /// Networks built so far.
+    /// Networks that came into use so far.
     pub fn remeshes(&self) -> u64 {
-        self.remeshes
+        self.networks.counts.networks
+    }
+
+    /// What happened at remeshes.
+    pub fn remesh_counts(&self) -> &RemeshCounts {
+        &self.networks.counts
+    }
+
+    /// The remesh interval and what it follows from.
+    pub fn interval_trail(&self) -> IntervalTrail {
+        let rule = self.saturation.map(|s| s.remesh);
+        rule.map_or_else(IntervalTrail::default, |rule| self.networks.trail(&rule))
     }
 
     /// Largest residual of the first solves after factorizations.
@@ -257,6 +240,17 @@ impl Coupled {
         self.largest_imbalance = imbalance;
     }
 
+    /// Steps done, those of an earlier session included where it told so.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Says how many steps were done before, this object's or others'. Networks
+    /// in use have counted along.
+    pub(super) fn count_from(&mut self, steps: u64) {
+        self.steps = steps;
+    }
+
     /// Where the time went.
     pub fn phases(&self) -> &Phases {
         &self.phases
@@ -264,30 +258,33 @@ impl Coupled {
 
     /// What a checkpoint needs beside the state of the mechanics.
     pub fn fluid_state(&self) -> Option<FluidState> {
-        let wet = self.wet.as_ref()?;
-        Some(FluidState { solution: wet.flow.solution().to_vec(), ..wet.state.clone() })
+        self.networks.state(self.steps)
     }
 
-    /// Builds the network of a checkpoint again, bit for bit.
+    /// Builds the network of a checkpoint again, bit for bit; in the
+    /// background, also the one that was on its way.
     ///
     /// # Errors
     /// As a remesh.
     pub fn restore_fluid(&mut self, saturation: Saturation, state: FluidState) -> Result<()> {
         self.saturation = Some(saturation);
-        self.mesh(saturation, state)
+        self.steps = state.step();
+        let site = Site { dem: &self.dem, saturation: &saturation, step: self.steps };
+        self.networks.restore(state, site, &mut self.phases)?;
+        if let Some(wet) = &mut self.networks.current {
+            wet.watch(&self.probes);
+        }
+        Ok(())
     }
 }
 
-impl Wet {
-    fn is_due(&self, rule: &RemeshRule) -> bool {
-        if rule.interval.is_some_and(|interval| self.state.age >= interval) {
-            return true;
-        }
-        let Some(limit) = rule.strain else { return false };
-        let volume = &self.flow.network.volume;
-        volume
-            .iter()
-            .zip(&self.state.volume_change)
-            .any(|(v, change)| change.abs() > limit * v.abs())
+/// What the fluid feels in a step from `dt` on (s).
+fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> Motion<'a> {
+    let walls = dem.walls();
+    Motion {
+        velocity,
+        walls: walls.each_ref().map(|w| w.velocity),
+        servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
+        dt,
     }
 }

@@ -1,6 +1,6 @@
-//! Why a stage cannot come to its end.
+//! Why a stage cannot come to its end, or a network to its use.
 
-/// A stage has used up its steps.
+/// A stage has used up its steps, or the background has failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
@@ -42,5 +42,17 @@ pub enum CouplingError {
         time_factor: f64,
         /// Time factor asked for (1).
         goal: f64,
+    },
+    /// The thread that builds networks cannot be started.
+    #[error("the thread that builds networks cannot be started: {what}; use fewer threads")]
+    WorkerNotStarted {
+        /// What the system said.
+        what: String,
+    },
+    /// Whatever builds networks has panicked.
+    #[error("building the network panicked: {what}")]
+    WorkerPanicked {
+        /// What it said.
+        what: String,
     },
 }

@@ -20,19 +20,30 @@
 //! }
 //! # Ok::<(), dempfv::Error>(())
 //! ```
+//!
+//! What makes a coupled run faster is an [`Acceleration`](crate::scene::Acceleration):
+//! networks that are built in the background while the steps go on, and tasks
+//! beside each other. Each can be used alone, and none changes a bit of the
+//! results but by the moment at which a network comes into use.
 
+mod auto_interval;
+mod background;
 mod clock;
 mod coupled;
 mod error;
+mod networks;
 mod observe;
 mod outcome;
 mod phases;
+mod remesh;
 mod setup;
 mod simulation;
 mod stages;
+mod wet;
 
+pub use background::{NetworkBuilder, Order, StandardBuilder};
 pub use clock::{TimeStepBounds, viscous_time_step};
-pub use coupled::{Coupled, FluidState, RemeshRule, Saturation};
+pub use coupled::{Coupled, Saturation};
 pub use error::CouplingError;
 pub use observe::Observation;
 pub use outcome::{
@@ -40,5 +51,6 @@ pub use outcome::{
     PermeabilityTest, Profile, StageOutcome,
 };
 pub use phases::{Phase, Phases};
+pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
 pub use setup::initial_packing;
 pub use simulation::{Simulation, State};

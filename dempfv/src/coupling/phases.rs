@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::pfv::BuildTimes;
+
 /// A part of the time loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -21,11 +23,15 @@ pub enum Phase {
     Analyze,
     /// Numeric factorization of a remesh.
     Factor,
+    /// Taking a new network into use: pressures carried over, the old one freed.
+    Swap,
+    /// Waiting for a network from the background.
+    Wait,
 }
 
 impl Phase {
     /// All phases.
-    pub const ALL: [Phase; 8] = [
+    pub const ALL: [Phase; 10] = [
         Phase::Contacts,
         Phase::Integration,
         Phase::VolumeRates,
@@ -34,6 +40,8 @@ impl Phase {
         Phase::Network,
         Phase::Analyze,
         Phase::Factor,
+        Phase::Swap,
+        Phase::Wait,
     ];
 
     /// The phase's name in summaries.
@@ -47,11 +55,14 @@ impl Phase {
             "network",
             "analyze",
             "factor",
+            "swap",
+            "wait",
         ][self as usize]
     }
 }
 
-/// Wall-clock time spent in each phase.
+/// Wall-clock time of the time loop in each phase. Phases that ran beside each
+/// other count in full; what the background built does not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
     total: [Duration; Phase::ALL.len()],
@@ -69,6 +80,18 @@ impl Phases {
     /// Books time that was measured elsewhere.
     pub fn add(&mut self, phase: Phase, spent: Duration) {
         self.total[phase as usize] += spent;
+    }
+
+    /// Books what building a network took.
+    pub(super) fn book_build(&mut self, times: BuildTimes) {
+        self.add(Phase::Network, times.network);
+        self.add(Phase::Analyze, times.analyze);
+        self.add(Phase::Factor, times.factor);
+    }
+
+    /// Books what another thread has booked.
+    pub(super) fn merge(&mut self, other: &Phases) {
+        self.total.iter_mut().zip(other.total).for_each(|(t, o)| *t += o);
     }
 
     /// Time spent in a phase.

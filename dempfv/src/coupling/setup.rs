@@ -1,6 +1,7 @@
 //! From a plan to the things that move.
 
-use super::coupled::{RemeshRule, Saturation};
+use super::coupled::{Coupled, Saturation};
+use super::remesh::RemeshRule;
 use crate::dem::{
     self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial,
 };
@@ -67,6 +68,14 @@ pub(super) fn options(plan: &Plan) -> DemOptions {
         options.rotation = dem.rotation;
     }
     options
+}
+
+/// Dry spheres that know how the plan's fluid is to be computed.
+pub(super) fn coupled(plan: &Plan, dem: Dem) -> Coupled {
+    let mut coupled = Coupled::new(dem);
+    coupled.accelerate(plan.fluid.as_ref().map(|f| f.acceleration).unwrap_or_default());
+    coupled.watch(plan.output.probes.clone());
+    coupled
 }
 
 /// The fluid of a plan.

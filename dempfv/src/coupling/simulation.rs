@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::coupled::{Coupled, FluidState};
+use super::coupled::Coupled;
 use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::remesh::FluidState;
 use super::setup;
 use super::stages::{Active, Context, Progress};
 use super::{Observation, TimeStepBounds};
@@ -61,8 +62,7 @@ impl Simulation {
     /// # Errors
     /// When the packing is wrong, or the plan's values make no sense together.
     pub fn new(plan: Plan) -> Result<Simulation> {
-        let mut coupled = Coupled::new(setup::mechanics(&plan)?);
-        coupled.watch(plan.output.probes.clone());
+        let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
         Ok(Simulation {
             plan,
             coupled,
@@ -90,8 +90,8 @@ impl Simulation {
             setup::wall_material(&plan),
             setup::options(&plan),
         )?;
-        let mut coupled = Coupled::new(dem);
-        coupled.watch(plan.output.probes.clone());
+        let mut coupled = setup::coupled(&plan, dem);
+        coupled.count_from(state.clock.step);
         coupled.remember_worst(state.largest_residual, state.largest_imbalance);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
@@ -167,6 +167,8 @@ impl Simulation {
         self.stage += 1;
         self.stage_start = (self.clock.step, self.clock.time);
         self.clock.refresh();
+        // Steps of growth are the mechanics' alone.
+        self.coupled.count_from(self.clock.step);
     }
 
     /// The plan.

@@ -1,7 +1,7 @@
 //! The flow through one network: operators, factor and the current pressures.
 
-use std::time::{Duration, Instant};
-
+use super::build::{Assembled, BuildTimes, Spare};
+use super::carry::Carried;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -30,12 +30,14 @@ const REFINEMENTS: usize = 3;
 /// # Ok::<(), dempfv::Error>(())
 /// ```
 pub struct Flow {
-    /// The pore network.
+    /// The pore network, without its derivatives: the operators hold them.
     pub network: Network,
     /// Its operators.
     pub operators: Operators,
     /// `None` when every pore has an imposed pressure.
     factor: Option<Box<dyn Factor>>,
+    solver: SolverKind,
+    analysis_reused: bool,
     residual: Option<f64>,
     imbalance: f64,
     build_times: BuildTimes,
@@ -46,17 +48,6 @@ pub struct Flow {
     volume_rate: Vec<f64>,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
-}
-
-/// How long the parts of [`Flow::new`] took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BuildTimes {
-    /// Triangulation, pores, throats and operators.
-    pub network: Duration,
-    /// Ordering and symbolic analysis.
-    pub analyze: Duration,
-    /// Numeric factorization.
-    pub factor: Duration,
 }
 
 /// A measured permeability.
@@ -83,31 +74,46 @@ impl Flow {
         fluid: &Fluid,
         solver: SolverKind,
     ) -> Result<Flow> {
-        let start = Instant::now();
-        let network = Network::new(position, radius, bounds, fluid)?;
-        let operators = Operators::new(&network, fluid.boundary)?;
-        let mut build_times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
+        Assembled::new(position, radius, bounds, fluid)?.analyze(solver, None)?.factor()
+    }
+
+    /// As [`Flow::new`], in place of a flow that is no longer needed: its
+    /// analysis serves again if the matrix has the same pattern, as it has when
+    /// only conductances changed, and its pressures are where the next solve
+    /// starts from. Memory is needed for one network only.
+    ///
+    /// # Errors
+    /// As [`Flow::new`].
+    pub fn renew(
+        self,
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: Aabb,
+        fluid: &Fluid,
+    ) -> Result<Flow> {
+        let solver = self.solver;
+        let (carried, spare) = self.retire();
+        let assembled = Assembled::new(position, radius, bounds, fluid)?;
+        let mut flow = assembled.analyze(solver, spare)?.factor()?;
+        flow.carry_over(&carried);
+        Ok(flow)
+    }
+
+    pub(super) fn of_parts(
+        network: Network,
+        operators: Operators,
+        factor: Option<Box<dyn Factor>>,
+        solver: SolverKind,
+        build_times: BuildTimes,
+        analysis_reused: bool,
+    ) -> Flow {
         let (pores, unknowns) = (network.pores(), operators.unknowns());
-        let factor = match unknowns {
-            0 => None,
-            _ => {
-                let places: Vec<[f64; 3]> =
-                    operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
-                let start = Instant::now();
-                let symbolic = solver.backend().analyze(&operators.matrix, Some(&places))?;
-                build_times.analyze = start.elapsed();
-                let start = Instant::now();
-                let factor = symbolic.factor(&operators.matrix)?;
-                build_times.factor = start.elapsed();
-                Some(factor)
-            }
-        };
         let mut pressure = vec![0.0; pores];
         operators.pressures(&vec![0.0; unknowns], &mut pressure);
-        Ok(Flow {
-            network,
-            operators,
+        Flow {
             factor,
+            solver,
+            analysis_reused,
             residual: None,
             imbalance: 0.0,
             build_times,
@@ -116,9 +122,37 @@ impl Flow {
             correction: vec![0.0; unknowns],
             pressure,
             volume_rate: vec![0.0; pores],
-            force: vec![Vec3::zeros(); position.len()],
+            force: vec![Vec3::zeros(); network.tessellation.spheres],
             wall_force: [Vec3::zeros(); 6],
-        })
+            network,
+            operators,
+        }
+    }
+
+    /// What a network that takes this one's place may use: the pressures, and
+    /// the factor. All else is freed.
+    pub fn retire(self) -> (Carried, Option<Spare>) {
+        let (around, matrix) = self.operators.retire();
+        let carried = Carried::new(self.network, around, self.pressure);
+        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix)))
+    }
+
+    /// Takes the pressures of the network that this one replaces: as the
+    /// starting point of the next solve.
+    pub fn carry_over(&mut self, from: &Carried) {
+        from.write(&self.network, &self.operators, &mut self.solution);
+        self.operators.pressures(&self.solution, &mut self.pressure);
+    }
+
+    /// True when both have a matrix of the same pattern.
+    pub fn has_pattern_of(&self, other: &Flow) -> bool {
+        let (a, b) = (&self.operators.matrix, &other.operators.matrix);
+        a.col_ptr == b.col_ptr && a.row_idx == b.row_idx
+    }
+
+    /// True when the symbolic analysis was that of an earlier network.
+    pub fn analysis_reused(&self) -> bool {
+        self.analysis_reused
     }
 
     /// Pressures and forces for moving spheres and walls (eqs. 5 to 10 of

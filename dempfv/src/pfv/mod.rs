@@ -9,6 +9,8 @@
 //! Walls are exact planes in every formula. Only the triangulation itself sees
 //! them as huge spheres.
 
+mod build;
+mod carry;
 mod clamp;
 mod error;
 mod flow;
@@ -24,9 +26,11 @@ mod pore;
 mod tessellation;
 mod throat;
 
+pub use build::{Analyzed, Assembled, BuildTimes, Spare};
+pub use carry::Carried;
 pub use clamp::Clamp;
 pub use error::{PfvError, PoreVertex, PoreVertices};
-pub use flow::{BuildTimes, Flow, Permeability};
+pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 
 pub use network::{Network, Throats};

@@ -83,6 +83,13 @@ impl Network {
         })
     }
 
+    /// Frees `volume_gradient` and `push`, once [`Operators`](super::Operators)
+    /// hold what follows from them: 200 bytes a pore.
+    pub(super) fn forget_derivatives(&mut self) {
+        self.volume_gradient = Vec::new();
+        self.push = Vec::new();
+    }
+
     /// Number of pores.
     pub fn pores(&self) -> usize {
         self.tessellation.cells.len()

@@ -40,9 +40,26 @@ struct VolumeRate {
 /// `F` by rows: for each sphere, then each wall, the pores that push it.
 #[derive(Clone, Debug)]
 struct Forces {
+    pores: Incidence,
+    push: Vec<Vec3>,
+}
+
+/// For each sphere, then each wall, the pores that it is a vertex of.
+#[derive(Clone, Debug)]
+pub(super) struct Incidence {
     start: Vec<u32>,
     pore: Vec<u32>,
-    push: Vec<Vec3>,
+}
+
+impl Incidence {
+    fn range(&self, vertex: usize) -> std::ops::Range<usize> {
+        self.start[vertex] as usize..self.start[vertex + 1] as usize
+    }
+
+    /// The pores around a vertex.
+    pub(super) fn of(&self, vertex: usize) -> &[u32] {
+        &self.pore[self.range(vertex)]
+    }
 }
 
 impl Operators {
@@ -80,6 +97,11 @@ impl Operators {
             },
             forces: Forces::new(network),
         })
+    }
+
+    /// What outlives operators that are no longer needed.
+    pub(super) fn retire(self) -> (Incidence, SymmetricCsc) {
+        (self.forces.pores, self.matrix)
     }
 
     /// Number of unknown pressures.
@@ -194,22 +216,22 @@ impl Forces {
                 push[at] = f;
             }
         }
-        Forces { start, pore, push }
+        Forces { pores: Incidence { start, pore }, push }
     }
 
     fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
-        let range = self.start[row] as usize..self.start[row + 1] as usize;
-        let pores = &self.pore[range.clone()];
-        pores
+        let push = &self.push[self.pores.range(row)];
+        self.pores
+            .of(row)
             .iter()
-            .zip(&self.push[range])
+            .zip(push)
             .fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
     }
 }
 
 /// Calls a function for each entry of an array, on several threads if the
 /// array is long enough to pay for it.
-fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
+pub(super) fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
     if out.len() < SERIAL {
         out.iter_mut().enumerate().for_each(|(i, v)| set(i, v));
     } else {

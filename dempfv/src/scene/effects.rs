@@ -1,11 +1,12 @@
 //! Which effects a plan simulates, by name.
 
+use super::acceleration::RemeshMode;
 use super::plan::*;
 use crate::pfv::Clamp;
 
 impl Plan {
     /// Every effect the program knows, and whether this plan simulates it.
-    fn effects(&self) -> [(&'static str, bool); 13] {
+    fn effects(&self) -> [(&'static str, bool); 15] {
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
         let contacts = self.dem.is_some() && any(StageKind::moves);
         let coupled = self.fluid.is_some() && any(StageKind::is_coupled);
@@ -27,6 +28,11 @@ impl Plan {
             ("fluid forces on spheres", coupled),
             ("wall slip", fluid(|f| f.slip_walls)),
             ("conductance clamp", fluid(|f| f.clamp != Clamp::None)),
+            (
+                "background remesh",
+                coupled && fluid(|f| f.acceleration.remesh == RemeshMode::Background),
+            ),
+            ("parallel tasks", coupled && fluid(|f| f.acceleration.parallel_tasks)),
         ]
     }
 

@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 
+use super::acceleration::{OnFailure, RemeshMode};
 use super::plan::*;
 
 /// What is known about the spheres and pores of a plan.
@@ -138,8 +139,11 @@ impl Estimate {
         let dry = DRY_STEP * specimen.spheres as f64;
         let remesh = flow.as_ref().map(Flow::remesh);
         let coupled_step = flow.as_ref().zip(remesh).filter(|_| coupled).map(|(flow, remesh)| {
-            // With the strain rule alone, remeshes are as rare as the motion is slow.
-            let interval = fluid.and_then(|f| f.remesh_interval);
+            // With the strain rule alone, remeshes are as rare as the motion is slow; in
+            // the background they take another core's time.
+            let interval = fluid
+                .filter(|f| f.acceleration.remesh != RemeshMode::Background)
+                .and_then(|f| f.remesh_interval);
             dry + flow.solve() + interval.map_or(0.0, |steps| remesh / steps as f64)
         });
         Estimate {
@@ -150,13 +154,24 @@ impl Estimate {
             counted: specimen.pores.is_some() && specimen.unknowns.is_some(),
             memory: BASE_MEMORY
                 + SPHERE_MEMORY * specimen.spheres as f64
-                + flow.as_ref().map_or(0.0, Flow::memory),
+                + flow.as_ref().map_or(0.0, Flow::memory) * networks_at_once(fluid),
             bounds,
             dt,
             dry_step: dem.map(|_| dry),
             coupled_step,
             remesh,
         }
+    }
+}
+
+/// Networks that stand beside each other: the one in use while the next is built, except
+/// where it makes room first.
+fn networks_at_once(fluid: Option<&Fluid>) -> f64 {
+    let how = fluid.map(|f| f.acceleration).unwrap_or_default();
+    match how.remesh {
+        RemeshMode::Background => 2.0,
+        RemeshMode::Ahead if how.on_failure == OnFailure::Retry => 2.0,
+        RemeshMode::Ahead | RemeshMode::AtOnce => 1.0,
     }
 }
 

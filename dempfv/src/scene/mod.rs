@@ -3,6 +3,7 @@
 //! This is the only room that reads scene files. A [`Plan`] is plain data; it knows
 //! neither particles nor pores.
 
+mod acceleration;
 mod effects;
 mod estimate;
 mod keys;
@@ -13,6 +14,7 @@ mod plan;
 mod rules;
 mod table;
 
+pub use acceleration::{Acceleration, OnFailure, RemeshMode, Swap};
 pub use estimate::{Estimate, Specimen, StepBounds};
 pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::acceleration::Acceleration;
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::pfv::Clamp;
 use crate::solver::SolverKind;
@@ -169,6 +170,7 @@ pub struct Fluid {
     /// Dynamic viscosity μ (Pa·s). Required.
     pub viscosity: f64,
     /// Remesh every so many steps (λ_rm). Default 200 unless `remesh_strain` is given.
+    /// `None` too where measured times choose it.
     pub remesh_interval: Option<u64>,
     /// Remesh when a pore has changed its volume by this share since the last remesh (1).
     /// Default: no such rule.
@@ -179,6 +181,8 @@ pub struct Fluid {
     pub clamp: Clamp,
     /// Linear solver. Default: CHOLMOD.
     pub solver: SolverKind,
+    /// How networks are renewed while the spheres move on. Default: plainly.
+    pub acceleration: Acceleration,
     /// Imposed pressure on each wall (Pa), by the wall's index; `None`: no flow through it.
     pub pressure: [Option<f64>; 6],
 }

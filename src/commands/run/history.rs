@@ -25,6 +25,10 @@ pub fn columns(probes: usize) -> Vec<String> {
         "mean_pressure_pa",
         "network_age",
         "remeshes",
+        "failed_remeshes",
+        "remesh_interval",
+        "background_s",
+        "steps_per_s",
     ]
     .map(str::to_owned)
     .to_vec();
@@ -58,6 +62,11 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
     values.extend([seen.largest_pressure, seen.mean_pressure].map(Value::from));
     values.push(simulation.coupled().network_age().into());
     values.push(simulation.remeshes().into());
+    values.push(simulation.coupled().remesh_counts().failures.into());
+    // What an automatic interval follows from; the times are 0 for a given one.
+    let trail = simulation.coupled().interval_trail();
+    values.push(trail.interval.unwrap_or(0).into());
+    values.extend([trail.background_s, trail.steps_per_s].map(Value::from));
     for six in [seen.contact_stress, seen.fluid_stress, seen.wall_displacement, seen.flux] {
         values.extend(six.map(Value::from));
     }

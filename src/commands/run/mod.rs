@@ -3,6 +3,7 @@
 mod history;
 mod pictures;
 mod recorder;
+mod remesh;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -239,7 +240,7 @@ impl Session {
 /// and a solver that has used up the memory leave a sound one.
 fn is_spoilt(error: &Error) -> bool {
     match error {
-        Error::AtStep { source, .. } => is_spoilt(source),
+        Error::AtStep { source, .. } | Error::Snapshot { source, .. } => is_spoilt(source),
         Error::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
         Error::Pfv(_) => true,
         _ => false,

@@ -8,6 +8,7 @@ use std::time::Duration;
 use dempfv::coupling::{Consolidation, Coupled, Outcome, Simulation, StageOutcome};
 use serde::{Serialize, Serializer};
 
+use super::remesh::Remesh;
 use crate::commands::doctor;
 use crate::commands::format::{bytes, count, duration, si, three_digits};
 use crate::report::table::table;
@@ -46,6 +47,8 @@ pub struct Report {
     ms_per_step: Option<f64>,
     phases_ms: BTreeMap<&'static str, f64>,
     remeshes: u64,
+    /// What happened at them, in this session; `None` without fluid.
+    remesh: Option<Remesh>,
     /// Largest relative residual of the first solves after factorizations.
     largest_residual: f64,
     /// Largest relative imbalance of fluid mass of any step.
@@ -93,6 +96,7 @@ impl Report {
             ms_per_step: (steps > 0).then(|| 1e3 * wall_s / steps as f64),
             phases_ms: coupled.phases().in_ms().collect(),
             remeshes: simulation.remeshes(),
+            remesh: plan.fluid.is_some().then(|| Remesh::of(coupled)),
             largest_residual: coupled.largest_residual(),
             largest_imbalance: coupled.largest_imbalance(),
             peak_memory_bytes: peak_memory(),
@@ -231,6 +235,9 @@ impl fmt::Display for Report {
         writeln!(f, "\n  {pace}{} on {threads}{memory}", duration(self.wall_s))?;
         if !phases.is_empty() {
             writeln!(f, "  {}", phases.join(", "))?;
+        }
+        if let Some(line) = self.remesh.as_ref().and_then(Remesh::line) {
+            writeln!(f, "  {line}")?;
         }
         if !self.finished {
             writeln!(

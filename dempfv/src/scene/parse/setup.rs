@@ -6,6 +6,7 @@ use super::stages;
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::error::InputError;
 use crate::pfv::Clamp;
+use crate::scene::acceleration::{Acceleration, OnFailure, RemeshMode, Swap};
 use crate::scene::keys;
 use crate::scene::packing_check::probe_outside;
 use crate::scene::plan::*;
@@ -207,9 +208,13 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
     let table = value.table(&keys::FLUID)?;
     let remesh_strain =
         table.get("remesh_strain").map(|v| v.number("", Bound::Positive)).transpose()?;
-    let remesh_interval = match table.get("remesh_interval") {
-        Some(v) => Some(v.count(1)?),
-        None => remesh_strain.is_none().then_some(200),
+    let (remesh_interval, auto_interval) = match table.get("remesh_interval") {
+        Some(v) if v.is_text() => {
+            v.choice(&[("auto", ())])?;
+            (None, true)
+        }
+        Some(v) => (Some(v.count(1)?), false),
+        None => (remesh_strain.is_none().then_some(200), false),
     };
     let clamp = table.get("clamp").map(|v| v.choice(&Clamp::ALL.map(|c| (c.name(), c))));
     let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
@@ -218,11 +223,56 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
         remesh_interval,
         remesh_strain,
+        acceleration: read_acceleration(&table, auto_interval)?,
         slip_walls: table.flag_or("slip_walls", true)?,
         clamp: clamp.transpose()?.unwrap_or_default(),
         solver: solver.transpose()?.unwrap_or_default(),
         pressure: read_conditions(&table)?,
     })
+}
+
+/// How networks are renewed; what the mode has no use for is an error.
+fn read_acceleration(fluid: &Table, auto_interval: bool) -> Result<Acceleration> {
+    let remesh = match fluid.get("remesh") {
+        Some(v) => v.choice(&RemeshMode::ALL.map(|m| (m.name(), m)))?,
+        None => RemeshMode::default(),
+    };
+    if let Some(v) = fluid.get("remesh_interval").filter(|_| auto_interval)
+        && remesh != RemeshMode::Background
+    {
+        return Err(v.error(
+            "is \"auto\", which balances the time loop against a background that is not there",
+            "add `remesh = \"background\"`, or give a number of steps",
+        ));
+    }
+    let swap = match fluid.get("swap") {
+        Some(v) => {
+            let choice = v.choice(&Swap::ALL.map(|s| (s.name(), s)))?;
+            if choice == Swap::WhenReady && remesh != RemeshMode::Background {
+                return Err(v.error(
+                    "is \"when ready\", but nothing is built in the background",
+                    "add `remesh = \"background\"`",
+                ));
+            }
+            choice
+        }
+        None => Swap::default(),
+    };
+    let on_failure = match fluid.get("on_failure") {
+        Some(v) => {
+            let choice = v.choice(&OnFailure::ALL.map(|f| (f.name(), f)))?;
+            if choice == OnFailure::Retry && remesh == RemeshMode::AtOnce {
+                return Err(v.error(
+                    "is \"retry\", but a remesh at once has no old network left to go on with",
+                    "add `remesh = \"ahead\"` or `remesh = \"background\"`",
+                ));
+            }
+            choice
+        }
+        None => OnFailure::default(),
+    };
+    let parallel_tasks = fluid.flag_or("parallel_tasks", false)?;
+    Ok(Acceleration { remesh, swap, on_failure, auto_interval, parallel_tasks })
 }
 
 /// Imposed pressures; a wall must not be in `no_flow` too.

@@ -1,0 +1,68 @@
+//! Pressures of one network for the pores of another of the same spheres.
+
+use super::operators::{Incidence, for_each};
+use super::{Network, Operators};
+use crate::Vec3;
+
+/// The pressures of a network that has been replaced.
+///
+/// A pore of the new network that has the same four vertices as an old one has
+/// its pressure; another has that of the old pore whose centre is nearest to
+/// its own, among those that share a sphere with it.
+pub struct Carried {
+    spheres: usize,
+    cells: Vec<[u32; 4]>,
+    center: Vec<Vec3>,
+    pressure: Vec<f64>,
+    around: Incidence,
+}
+
+impl Carried {
+    pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> Carried {
+        let Network { tessellation, center, .. } = network;
+        Carried {
+            spheres: tessellation.spheres,
+            cells: tessellation.cells,
+            center,
+            pressure,
+            around,
+        }
+    }
+
+    /// Writes the pressures (Pa) of another network's unknowns. Leaves them as
+    /// they are where that network has another number of spheres.
+    pub(super) fn write(&self, network: &Network, operators: &Operators, solution: &mut [f64]) {
+        if network.tessellation.spheres != self.spheres {
+            return;
+        }
+        for_each(solution, &|u, p| {
+            let pore = operators.pore_of[u] as usize;
+            let old = self.counterpart(&network.tessellation.cells[pore], &network.center[pore]);
+            *p = self.pressure[old];
+        });
+    }
+
+    /// The old pore with these vertices, or the nearest.
+    fn counterpart(&self, cell: &[u32; 4], center: &Vec3) -> usize {
+        let spheres = || cell.iter().filter(|&&v| (v as usize) < self.spheres);
+        let around = |&v: &u32| self.around.of(v as usize).iter().map(|&p| p as usize);
+        // A cell of three walls and a sphere lies around one sphere only.
+        if let Some(same) = spheres()
+            .take(1)
+            .flat_map(around)
+            .find(|&old| cell.iter().all(|v| self.cells[old].contains(v)))
+        {
+            return same;
+        }
+        let nearest = |pores: &mut dyn Iterator<Item = usize>| {
+            pores.fold(None, |best: Option<(usize, f64)>, old| {
+                let d2 = (self.center[old] - center).norm_squared();
+                if best.is_none_or(|(_, least)| d2 < least) { Some((old, d2)) } else { best }
+            })
+        };
+        // Spheres that were all hidden before have no old pore around them.
+        nearest(&mut spheres().flat_map(around))
+            .or_else(|| nearest(&mut (0..self.cells.len())))
+            .map_or(0, |(old, _)| old)
+    }
+}
