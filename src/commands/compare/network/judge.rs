@@ -98,7 +98,7 @@ pub fn verdicts(packings: &[Compared]) -> Vec<Verdict> {
         for quantity in Quantity::ALL {
             let flows = packings.iter().flat_map(|p| p.flows.iter().map(move |f| (p, f)));
             let chosen = flows.filter(|(_, flow)| flow.case.clamp == clamp);
-            rows.extend(worst(chosen.map(|(p, flow)| of_flow(p, flow, quantity))));
+            rows.extend(worst(chosen.map(|(p, flow)| of_flow(packings, p, flow, quantity))));
         }
     }
     rows
@@ -143,55 +143,83 @@ fn geometric(packing: &Compared, quantity: &str, stat: Stat) -> Verdict {
     }
 }
 
-fn of_flow(packing: &Compared, flow: &Difference, quantity: Quantity) -> Verdict {
+fn of_flow(all: &[Compared], packing: &Compared, flow: &Difference, quantity: Quantity) -> Verdict {
     let stat = quantity.stat(flow);
     let within = stat.largest <= quantity.bound();
+    let reason = if within { None } else { explanation(packing, flow, quantity) };
     Verdict {
         on: format!("{}, {}", packing.name, flow.case.name()),
         quantity: quantity.name().to_owned(),
         largest: stat.largest,
         median: Some(stat.median),
         bound: quantity.bound(),
-        explanation: if within { None } else { explanation(packing, flow, quantity) },
+        explanation: reason.map(|reason| reason.text(all)),
     }
 }
 
 /// Why a difference is larger than its bound, where the second evaluation shows that it is
 /// YADE's.
-fn explanation(packing: &Compared, flow: &Difference, quantity: Quantity) -> Option<String> {
+fn explanation(packing: &Compared, flow: &Difference, quantity: Quantity) -> Option<Reason> {
     if quantity == Quantity::Inside {
-        return clamped(packing, flow);
+        return clamped(packing, flow).then_some(Reason::Clamp);
     }
-    let evidence = packing.evidence_for(flow)?;
-    if quantity.largest(&evidence.ours_planes) > OURS_EXACT {
-        return None;
-    }
-    let off = |distance| number(quantity.largest(distance));
-    let ours = off(&evidence.ours_planes);
-    let theirs = off(&evidence.theirs_planes);
-    let model = off(&evidence.spheres_planes);
-    let rest = off(&evidence.theirs_spheres);
-    let double = off(&evidence.double_spheres);
-    Some(format!(
-        "YADE's walls are huge spheres, not planes, and it computes a pore's centre relative to \
-         the pore's first vertex, which may be one of these: an evaluation at 50 digits is {ours} from \
-         ours and {theirs} from YADE's; of that the spheres are {model}, the rest is round-off \
-         ({rest}; the same formulas in double precision lose {double})"
-    ))
+    let ours = quantity.largest(&packing.evidence_for(flow)?.ours_planes);
+    (ours <= OURS_EXACT).then_some(Reason::Walls)
 }
 
-/// Throats on YADE's clamp are as far apart as the means that it is taken from.
-fn clamped(packing: &Compared, flow: &Difference) -> Option<String> {
-    let free = packing.flows.iter().find(|f| f.case.slip == flow.case.slip && !f.case.clamp)?;
-    let off = free.conductance.inside.largest;
-    let shown = flow.case.clamp && off <= Quantity::Inside.bound();
-    shown.then(|| {
-        format!(
-            "the clamp is a multiple of means over all throats, those at YADE's walls included; \
-             without it the same conductances are {} apart",
-            number(off)
-        )
-    })
+/// What YADE's differences come from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Reason {
+    Walls,
+    Clamp,
+}
+
+impl Reason {
+    /// The reason with its evidence, in a sentence or two: one for all rows.
+    fn text(self, packings: &[Compared]) -> String {
+        match self {
+            Reason::Walls => because_of_walls(packings),
+            Reason::Clamp => because_of_clamp(packings),
+        }
+    }
+}
+
+fn because_of_walls(packings: &[Compared]) -> String {
+    let all = || packings.iter().flat_map(|p| &p.evidence);
+    let off = |quantity: Quantity, of: fn(&Evidence) -> &Distance| {
+        number(all().map(|e| quantity.largest(of(e))).fold(0.0, f64::max))
+    };
+    let at_walls = Quantity::ALL.into_iter().filter(|q| *q != Quantity::Inside);
+    let ours = at_walls.flat_map(|q| all().map(move |e| q.largest(&e.ours_planes)));
+    format!(
+        "YADE's walls are huge spheres where ours are planes, and it computes a pore's centre relative to the \
+         pore's first vertex: where that is such a sphere nine digits are lost. An evaluation at 50 digits with \
+         planes is at most {} from ours in any of these quantities. With exact spheres its flux is {} from that \
+         with planes, and YADE's is {} from it; YADE's pressures are {} from those with exact spheres, and the \
+         same formulas in double precision {} (section Walls)",
+        number(ours.fold(0.0, f64::max)),
+        off(Quantity::Flux, |e| &e.spheres_planes),
+        off(Quantity::Flux, |e| &e.theirs_spheres),
+        off(Quantity::Pressure, |e| &e.theirs_spheres),
+        off(Quantity::Pressure, |e| &e.double_spheres),
+    )
+}
+
+fn because_of_clamp(packings: &[Compared]) -> String {
+    let free = packings.iter().flat_map(|p| &p.flows).filter(|f| !f.case.clamp);
+    let off = free.map(|f| f.conductance.inside.largest).fold(0.0, f64::max);
+    format!(
+        "YADE's clamp is a multiple of means over all throats, those at its walls included; without it the same \
+         conductances are {} apart",
+        number(off)
+    )
+}
+
+/// Whether the clamp makes the difference: throats on it are as far apart as the means that
+/// it is taken from.
+fn clamped(packing: &Compared, flow: &Difference) -> bool {
+    let mut free = packing.flows.iter().filter(|f| f.case.slip == flow.case.slip && !f.case.clamp);
+    flow.case.clamp && free.all(|f| f.conductance.inside.largest <= Quantity::Inside.bound())
 }
 
 impl Compared {
