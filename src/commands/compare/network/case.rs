@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, Network};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Vec3, WallId};
@@ -104,6 +104,15 @@ impl Packing {
         let mut flow = Flow::new(&self.position, &self.radius, self.bounds, fluid, solver)?;
         flow.solve_static()?;
         Ok(flow)
+    }
+
+    /// The network with the forces of its pores, which a flow keeps as operators only.
+    ///
+    /// # Errors
+    /// Those of the network.
+    pub fn network(&self, fluid: &Fluid) -> Result<Network, Error> {
+        let network = Network::new(&self.position, &self.radius, self.bounds, fluid);
+        Ok(network.map_err(dempfv::Error::from)?)
     }
 
     /// Centres and radii, as the scripts want them.

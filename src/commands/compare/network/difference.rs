@@ -148,19 +148,19 @@ impl Geometry {
 }
 
 impl Difference {
-    /// Compares one flow.
+    /// Compares one flow; `push` is what [`corner_push`] says.
     pub fn new(
         packing: &Packing,
         case: Case,
         flow: &Flow,
         theirs: &TheirFlow,
         matched: &Match,
+        push: &[Option<Vec3>],
     ) -> Difference {
         let network = &flow.network;
         let ours = network.throats.conductance.iter().map(|&g| Some(g));
         let conductance = ByPlace::relative(&places(network), matched.conductances(theirs), ours);
         let pressure = flow.pressure();
-        let push = corner_push(flow);
         let mean =
             flow.force().iter().map(Vec3::norm).sum::<f64>() / flow.force().len().max(1) as f64;
         let off = |i: usize, f: Vec3| (theirs.force[i] - f).norm() / mean;
@@ -181,7 +181,7 @@ impl Difference {
             flux: Stat::relative(fluxes),
             our_flux: flux[2],
             their_flux: -theirs.flux[2],
-            balance: Balance::new(packing, flow, theirs, &push),
+            balance: Balance::new(packing, flow, theirs, push),
             their_porosity: theirs.porosity.clone(),
         }
     }
@@ -200,14 +200,15 @@ impl Balance {
     }
 }
 
-/// For spheres of corner pores, what these push them by; `None` for the others.
-pub fn corner_push(flow: &Flow) -> Vec<Option<Vec3>> {
-    let t = &flow.network.tessellation;
+/// For spheres of corner pores, what these push them by under the pores' pressures; `None`
+/// for the others.
+pub fn corner_push(network: &Network, pressure: &[f64]) -> Vec<Option<Vec3>> {
+    let t = &network.tessellation;
     let mut push = vec![None; t.spheres];
-    for (i, cell) in t.cells.iter().enumerate().filter(|(i, _)| walls(&flow.network, *i) == 3) {
-        for (&v, f) in cell.iter().zip(&flow.network.push[i]) {
+    for (i, cell) in t.cells.iter().enumerate().filter(|(i, _)| walls(network, *i) == 3) {
+        for (&v, f) in cell.iter().zip(&network.push[i]) {
             if let Some(total) = push.get_mut(v as usize) {
-                *total = Some(total.unwrap_or_default() + flow.pressure()[i] * f);
+                *total = Some(total.unwrap_or_default() + pressure[i] * f);
             }
         }
     }

@@ -5,7 +5,7 @@ use dempfv::pfv::Flow;
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::difference::{ByPlace, Place, corner_push, places};
+use super::difference::{ByPlace, Place, places};
 use super::independent::{Independent, IndependentFlow, Model};
 use super::solve::Solution;
 use super::stat::Stat;
@@ -96,6 +96,7 @@ impl Evidence {
         theirs: &TheirFlow,
         matched: &Match,
         independent: &Independent,
+        push: &[Option<Vec3>],
     ) -> Result<Option<Evidence>, Error> {
         let solved = !independent.flows.is_empty();
         if case.clamp && !solved {
@@ -112,7 +113,7 @@ impl Evidence {
         let planes = held(Model::Planes)?;
         let (spheres, double) = (held(Model::Spheres)?, held(Model::Double)?);
         let ours = ours(flow);
-        let yades = yades(flow, theirs, matched);
+        let yades = yades(theirs, matched, push);
         let own = own(flow, theirs, matched)?;
         let at = places(&flow.network);
         let between = |a: &Held, b: &Held| Distance::new(&at, a, b);
@@ -178,8 +179,8 @@ fn ours(flow: &Flow) -> Held {
 }
 
 /// YADE's flow, on our pores and throats.
-fn yades(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Held {
-    let push = corner_push(flow).into_iter().map(Option::unwrap_or_default);
+fn yades(theirs: &TheirFlow, matched: &Match, push: &[Option<Vec3>]) -> Held {
+    let push = push.iter().map(|push| push.unwrap_or_default());
     let pressure = |p: &Option<u32>| p.map(|p| theirs.pressure[p as usize]);
     Held {
         conductance: matched.conductances(theirs).collect(),
