@@ -85,8 +85,9 @@ fn parts(c: &mut Criterion) {
         let id = |what| BenchmarkId::new(what, count);
         group.bench_function(id("network"), |b| {
             b.iter(|| {
-                let network = Network::new(x, r, bounds, &fluid()).expect("a network");
-                Operators::new(&network, fluid().boundary).expect("operators")
+                let (network, derivatives) =
+                    Network::new(x, r, bounds, &fluid()).expect("a network");
+                Operators::new(&network, derivatives, fluid().boundary).expect("operators")
             });
         });
         let mut flow = Flow::new(x, r, bounds, &fluid(), SolverKind::default()).expect("a flow");

@@ -13,7 +13,7 @@ fn network(s: &Spheres) -> Network {
         clamp: Clamp::None,
         boundary: Boundary::default(),
     };
-    Network::new(&s.x, &s.r, s.bounds, &fluid).unwrap()
+    Network::new(&s.x, &s.r, s.bounds, &fluid).unwrap().0
 }
 
 /// The middle of a pore: of its spheres' centres, half way to each of its walls.

@@ -14,7 +14,13 @@ const DRAINED_TOP: Fluid = Fluid {
 };
 
 fn network(s: &Spheres) -> Network {
-    Network::new(&s.x, &s.r, s.bounds, &DRAINED_TOP).unwrap()
+    Network::new(&s.x, &s.r, s.bounds, &DRAINED_TOP).unwrap().0
+}
+
+fn operators(s: &Spheres, fluid: &Fluid) -> (Network, Operators) {
+    let (network, derivatives) = Network::new(&s.x, &s.r, s.bounds, fluid).unwrap();
+    let operators = Operators::new(&network, derivatives, fluid.boundary).unwrap();
+    (network, operators)
 }
 
 fn wall_vertices(n: &Network, pore: usize) -> usize {
@@ -77,8 +83,7 @@ fn centres_have_equal_power() {
 #[test]
 fn volume_rates_are_derivatives_of_the_volumes() {
     for s in [settled(), loose()] {
-        let n = network(&s);
-        let o = Operators::new(&n, DRAINED_TOP.boundary).unwrap();
+        let (n, o) = operators(&s, &DRAINED_TOP);
         let mut random = Random(5);
         let speed = (s.bounds.volume() / s.x.len() as f64).cbrt();
         let v: Vec<Vec3> = s.x.iter().map(|_| speed * random.vector()).collect();
@@ -116,8 +121,7 @@ fn volume_rates_are_derivatives_of_the_volumes() {
 /// symmetric, and its rows add up to what flows to imposed pressures.
 #[test]
 fn the_conductance_matrix_is_symmetric_and_balanced() {
-    let n = network(&settled());
-    let o = Operators::new(&n, DRAINED_TOP.boundary).unwrap();
+    let (n, o) = operators(&settled(), &DRAINED_TOP);
     let find =
         |i: usize, j: usize| n.tessellation.neighbors[i].iter().position(|&k| k as usize == j);
     let mut entries = 0;
@@ -145,8 +149,7 @@ fn a_uniform_pressure_pushes_only_walls() {
     for s in [settled(), loose(), cubic(3, 1e-6), few(2)] {
         for slip_walls in [true, false] {
             let fluid = Fluid { slip_walls, ..DRAINED_TOP };
-            let n = Network::new(&s.x, &s.r, s.bounds, &fluid).unwrap();
-            let o = Operators::new(&n, fluid.boundary).unwrap();
+            let (n, o) = operators(&s, &fluid);
             let p = 3.0;
             let (mut force, mut wall) = (vec![Vec3::zeros(); s.x.len()], [Vec3::zeros(); 6]);
             o.forces(&vec![p; n.pores()], &mut force, &mut wall);
@@ -180,8 +183,8 @@ fn a_hidden_sphere_is_named() {
 fn an_isolated_pore_is_named() {
     let s = few(1);
     let closed = Fluid { boundary: Boundary::default(), ..DRAINED_TOP };
-    let n = Network::new(&s.x, &s.r, s.bounds, &closed).unwrap();
-    let error = Operators::new(&n, closed.boundary).unwrap_err();
+    let (n, derivatives) = Network::new(&s.x, &s.r, s.bounds, &closed).unwrap();
+    let error = Operators::new(&n, derivatives, closed.boundary).unwrap_err();
     assert!(matches!(error, PfvError::IsolatedPore { pore: 0, others: 7, .. }), "{error}");
     // The sphere has the number that its owner gave it.
     assert!(error.to_string().split(['(', ',', ')', ' ']).any(|w| w == "0"), "{error}");

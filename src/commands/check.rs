@@ -94,8 +94,9 @@ fn specimen(plan: &Plan) -> Result<(Specimen, Option<Aabb>), Error> {
         let boundary = Boundary { pressure };
         let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
         let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
-        let network = Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
-        let operators = Operators::new(&network, boundary)?;
+        let (network, derivatives) =
+            Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
+        let operators = Operators::new(&network, derivatives, boundary)?;
         specimen.pores = Some(network.pores());
         specimen.unknowns = Some(operators.unknowns());
         specimen.factor_entries = Some(0);

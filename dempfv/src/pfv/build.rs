@@ -88,9 +88,8 @@ impl Assembled {
         fluid: &Fluid,
     ) -> Result<Assembled> {
         let start = Instant::now();
-        let mut network = Network::new(position, radius, bounds, fluid)?;
-        let operators = Operators::new(&network, fluid.boundary)?;
-        network.forget_derivatives();
+        let (network, derivatives) = Network::new(position, radius, bounds, fluid)?;
+        let operators = Operators::new(&network, derivatives, fluid.boundary)?;
         let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         Ok(Assembled { network, operators, times })
     }

@@ -30,7 +30,7 @@ const REFINEMENTS: usize = 3;
 /// # Ok::<(), dempfv::Error>(())
 /// ```
 pub struct Flow {
-    /// The pore network, without its derivatives: the operators hold them.
+    /// The pore network.
     pub network: Network,
     /// Its operators.
     pub operators: Operators,

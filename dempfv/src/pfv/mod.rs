@@ -33,6 +33,6 @@ pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 
-pub use network::{Network, Throats};
+pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;
 pub use tessellation::{NONE, Tessellation};

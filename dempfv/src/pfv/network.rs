@@ -33,12 +33,17 @@ pub struct Network {
     /// Signed volume of each pore, solids included (m³); negative where motion
     /// turned a pore inside out.
     pub volume: Vec<f64>,
-    /// Derivative of each pore's volume with respect to its four vertices (m²).
-    pub volume_gradient: Vec<[Vec3; 4]>,
     /// The throats.
     pub throats: Throats,
     /// Throat across the facet opposite each vertex of a pore, or [`NONE`].
     pub throat_of: Vec<[u32; 4]>,
+}
+
+/// What operators are made of, and nothing else needs: 200 bytes a pore.
+#[derive(Clone, Debug)]
+pub struct Derivatives {
+    /// Derivative of each pore's volume with respect to its four vertices (m²).
+    pub volume_gradient: Vec<[Vec3; 4]>,
     /// Force per unit of the pore's pressure on each of its vertices (m²).
     pub push: Vec<[Vec3; 4]>,
 }
@@ -57,7 +62,7 @@ impl Network {
         radius: &[f64],
         bounds: Aabb,
         fluid: &Fluid,
-    ) -> Result<Network, PfvError> {
+    ) -> Result<(Network, Derivatives), PfvError> {
         let frame = Frame::new(position, radius, &bounds);
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
@@ -70,24 +75,17 @@ impl Network {
         let conductance = conductances(&evaluated, fluid);
         check_finite(&tessellation, &pairs, &conductance)?;
         let push = gather_push(&tessellation, &pairs, &evaluated, &throat_of, &pores);
-        Ok(Network {
+        let volume_gradient = pores.par_iter().map(|p| p.gradient).collect();
+        let network = Network {
             bounds,
             viscosity: fluid.viscosity,
             center: pores.par_iter().map(|p| p.center + bounds.min).collect(),
             volume: pores.par_iter().map(|p| p.volume).collect(),
-            volume_gradient: pores.par_iter().map(|p| p.gradient).collect(),
             throats: Throats { pores: pairs.iter().map(|t| t.pores).collect(), conductance },
             throat_of,
-            push,
             tessellation,
-        })
-    }
-
-    /// Frees `volume_gradient` and `push`, once [`Operators`](super::Operators)
-    /// hold what follows from them: 200 bytes a pore.
-    pub(super) fn forget_derivatives(&mut self) {
-        self.volume_gradient = Vec::new();
-        self.push = Vec::new();
+        };
+        Ok((network, Derivatives { volume_gradient, push }))
     }
 
     /// Number of pores.

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::outlets::Outlets;
-use super::{Boundary, NONE, Network, PfvError};
+use super::{Boundary, Derivatives, NONE, Network, PfvError, Tessellation};
 use crate::solver::SymmetricCsc;
 use crate::{Vec3, WallId};
 
@@ -63,11 +63,15 @@ impl Incidence {
 }
 
 impl Operators {
-    /// Builds the operators of a network.
+    /// Builds the operators of a network from its derivatives.
     ///
     /// # Errors
     /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
-    pub fn new(network: &Network, boundary: Boundary) -> Result<Operators, PfvError> {
+    pub fn new(
+        network: &Network,
+        derivatives: Derivatives,
+        boundary: Boundary,
+    ) -> Result<Operators, PfvError> {
         let imposed_by: Vec<u8> = network
             .tessellation
             .cells
@@ -93,9 +97,9 @@ impl Operators {
             boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
-                gradient: network.volume_gradient.clone(),
+                gradient: derivatives.volume_gradient,
             },
-            forces: Forces::new(network),
+            forces: Forces::new(&network.tessellation, &derivatives.push),
         })
     }
 
@@ -195,9 +199,9 @@ impl Operators {
 }
 
 impl Forces {
-    fn new(network: &Network) -> Forces {
-        let cells = &network.tessellation.cells;
-        let rows = network.tessellation.spheres + 6;
+    fn new(tessellation: &Tessellation, push_of: &[[Vec3; 4]]) -> Forces {
+        let cells = &tessellation.cells;
+        let rows = tessellation.spheres + 6;
         let mut start = vec![0u32; rows + 1];
         for &v in cells.as_flattened() {
             start[v as usize + 1] += 1;
@@ -208,7 +212,7 @@ impl Forces {
         let mut next = start.clone();
         let mut pore = vec![0; cells.len() * 4];
         let mut push = vec![Vec3::zeros(); cells.len() * 4];
-        for (i, (cell, forces)) in cells.iter().zip(&network.push).enumerate() {
+        for (i, (cell, forces)) in cells.iter().zip(push_of).enumerate() {
             for (&v, &f) in cell.iter().zip(forces) {
                 let at = next[v as usize] as usize;
                 next[v as usize] += 1;

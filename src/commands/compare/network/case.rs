@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, Network};
+use dempfv::pfv::{Boundary, Clamp, Derivatives, Flow, Fluid, Network};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Vec3, WallId};
@@ -106,13 +106,13 @@ impl Packing {
         Ok(flow)
     }
 
-    /// The network with the forces of its pores, which a flow keeps as operators only.
+    /// The derivatives of the network, which a flow keeps as operators only.
     ///
     /// # Errors
     /// Those of the network.
-    pub fn network(&self, fluid: &Fluid) -> Result<Network, Error> {
+    pub fn derivatives(&self, fluid: &Fluid) -> Result<Derivatives, Error> {
         let network = Network::new(&self.position, &self.radius, self.bounds, fluid);
-        Ok(network.map_err(dempfv::Error::from)?)
+        Ok(network.map_err(dempfv::Error::from)?.1)
     }
 
     /// Centres and radii, as the scripts want them.

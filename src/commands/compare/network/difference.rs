@@ -1,7 +1,7 @@
 //! How far the two programs are apart on one packing.
 
 use dempfv::Vec3;
-use dempfv::pfv::{Flow, Network};
+use dempfv::pfv::{Derivatives, Flow, Network};
 use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Packing};
@@ -148,15 +148,15 @@ impl Geometry {
 }
 
 impl Difference {
-    /// Compares one flow; `push` is what [`corner_push`] says.
+    /// Compares one flow.
     pub fn new(
         packing: &Packing,
         case: Case,
-        flow: &Flow,
+        (flow, derivatives): (&Flow, &Derivatives),
         theirs: &TheirFlow,
         matched: &Match,
-        push: &[Option<Vec3>],
     ) -> Difference {
+        let push = corner_push(flow, derivatives);
         let network = &flow.network;
         let ours = network.throats.conductance.iter().map(|&g| Some(g));
         let conductance = ByPlace::relative(&places(network), matched.conductances(theirs), ours);
@@ -181,7 +181,7 @@ impl Difference {
             flux: Stat::relative(fluxes),
             our_flux: flux[2],
             their_flux: -theirs.flux[2],
-            balance: Balance::new(packing, flow, theirs, push),
+            balance: Balance::new(packing, flow, theirs, &push),
             their_porosity: theirs.porosity.clone(),
         }
     }
@@ -200,13 +200,13 @@ impl Balance {
     }
 }
 
-/// For spheres of corner pores, what these push them by under the pores' pressures; `None`
-/// for the others.
-pub fn corner_push(network: &Network, pressure: &[f64]) -> Vec<Option<Vec3>> {
+/// For spheres of corner pores, what these push them by; `None` for the others.
+pub fn corner_push(flow: &Flow, derivatives: &Derivatives) -> Vec<Option<Vec3>> {
+    let (network, pressure) = (&flow.network, flow.pressure());
     let t = &network.tessellation;
     let mut push = vec![None; t.spheres];
     for (i, cell) in t.cells.iter().enumerate().filter(|(i, _)| walls(network, *i) == 3) {
-        for (&v, f) in cell.iter().zip(&network.push[i]) {
+        for (&v, f) in cell.iter().zip(&derivatives.push[i]) {
             if let Some(total) = push.get_mut(v as usize) {
                 *total = Some(total.unwrap_or_default() + pressure[i] * f);
             }

@@ -1,11 +1,11 @@
 //! Which of the two programs is off, and by what: the evidence of the second evaluation.
 
 use dempfv::Vec3;
-use dempfv::pfv::Flow;
+use dempfv::pfv::{Derivatives, Flow};
 use serde::{Deserialize, Serialize};
 
 use super::case::Case;
-use super::difference::{ByPlace, Place, places};
+use super::difference::{ByPlace, Place, corner_push, places};
 use super::independent::{Independent, IndependentFlow, Model};
 use super::solve::Solution;
 use super::stat::Stat;
@@ -92,12 +92,12 @@ impl Evidence {
     /// Those of the solver.
     pub fn new(
         case: Case,
-        flow: &Flow,
+        ours: (&Flow, &Derivatives),
         theirs: &TheirFlow,
         matched: &Match,
         independent: &Independent,
-        push: &[Option<Vec3>],
     ) -> Result<Option<Evidence>, Error> {
+        let (flow, derivatives) = ours;
         let solved = !independent.flows.is_empty();
         if case.clamp && !solved {
             return Ok(None);
@@ -108,13 +108,13 @@ impl Evidence {
         };
         let held = |model| match find(model) {
             Some(found) => Ok(found.held()),
-            None => mixed(flow, independent, model, case.slip),
+            None => mixed(ours, independent, model, case.slip),
         };
         let planes = held(Model::Planes)?;
         let (spheres, double) = (held(Model::Spheres)?, held(Model::Double)?);
-        let ours = ours(flow);
-        let yades = yades(theirs, matched, push);
-        let own = own(flow, theirs, matched)?;
+        let yades = yades(theirs, matched, &corner_push(flow, derivatives));
+        let own = own(ours, theirs, matched)?;
+        let ours = self::ours(flow);
         let at = places(&flow.network);
         let between = |a: &Held, b: &Held| Distance::new(&at, a, b);
         let exact = find(Model::Planes);
@@ -191,17 +191,26 @@ fn yades(theirs: &TheirFlow, matched: &Match, push: &[Option<Vec3>]) -> Held {
 }
 
 /// The flow that YADE's conductances have.
-fn own(flow: &Flow, theirs: &TheirFlow, matched: &Match) -> Result<Held, Error> {
+fn own(
+    (flow, derivatives): (&Flow, &Derivatives),
+    theirs: &TheirFlow,
+    matched: &Match,
+) -> Result<Held, Error> {
     let found: Vec<Option<f64>> = matched.conductances(theirs).collect();
-    let solution = Solution::new(&flow.network, filled(flow, &found))?;
+    let solution = Solution::new(&flow.network, derivatives, filled(flow, &found))?;
     Ok(Held::solved(found, solution))
 }
 
 /// The flow with the conductances and pushes of the second evaluation where it has them, at
 /// the walls, and ours elsewhere.
-fn mixed(flow: &Flow, independent: &Independent, model: Model, slip: bool) -> Result<Held, Error> {
+fn mixed(
+    (flow, derivatives): (&Flow, &Derivatives),
+    independent: &Independent,
+    model: Model,
+    slip: bool,
+) -> Result<Held, Error> {
     let found = independent.conductances(model, slip).to_vec();
-    let mut solution = Solution::new(&flow.network, filled(flow, &found))?;
+    let mut solution = Solution::new(&flow.network, derivatives, filled(flow, &found))?;
     let Solution { pressure, force, .. } = &mut solution;
     independent.beyond_planes(&flow.network, (model, slip), pressure, force);
     Ok(Held::solved(found, solution))

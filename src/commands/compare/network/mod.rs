@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use self::case::{Case, Packing};
 use self::degenerate::Differing;
-use self::difference::{Difference, Geometry, corner_push};
+use self::difference::{Difference, Geometry};
 use self::evidence::Evidence;
 use self::independent::Independent;
 pub use self::reference::write as write_reference;
@@ -104,9 +104,10 @@ impl Compared {
         let (mut flows, mut evidence) = (vec![], vec![]);
         for (case, theirs) in Case::ALL.into_iter().zip(&theirs.cases) {
             let flow = packing.flow(&case.fluid())?;
-            let push = corner_push(&packing.network(&case.fluid())?, flow.pressure());
-            flows.push(Difference::new(packing, case, &flow, theirs, &matched, &push));
-            evidence.extend(Evidence::new(case, &flow, theirs, &matched, &independent, &push)?);
+            let derivatives = packing.derivatives(&case.fluid())?;
+            let ours = (&flow, &derivatives);
+            flows.push(Difference::new(packing, case, ours, theirs, &matched));
+            evidence.extend(Evidence::new(case, ours, theirs, &matched, &independent)?);
         }
         let network = &first.network;
         let volumes = network.volume.iter().zip(&independent.volume);

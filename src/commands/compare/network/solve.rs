@@ -1,7 +1,7 @@
 //! Pressures for conductances of other origin.
 
 use dempfv::Vec3;
-use dempfv::pfv::{Network, Operators};
+use dempfv::pfv::{Derivatives, Network, Operators};
 use dempfv::solver::SolverKind;
 
 use super::case::boundary;
@@ -26,10 +26,15 @@ impl Solution {
     ///
     /// # Errors
     /// When a pore is cut off, or the factorization fails.
-    pub fn new(network: &Network, conductance: Vec<f64>) -> Result<Solution, Error> {
+    pub fn new(
+        network: &Network,
+        derivatives: &Derivatives,
+        conductance: Vec<f64>,
+    ) -> Result<Solution, Error> {
         let mut network = network.clone();
         network.throats.conductance = conductance;
-        let operators = Operators::new(&network, boundary()).map_err(dempfv::Error::from)?;
+        let operators = Operators::new(&network, derivatives.clone(), boundary())
+            .map_err(dempfv::Error::from)?;
         let places: Vec<[f64; 3]> =
             operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
         let (pores, unknowns) = (network.pores(), operators.unknowns());
