@@ -72,7 +72,7 @@ yade-test: build install-yade
 # Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
 # included. One thread for OpenBLAS: its others are valgrind's to run in turn.
 memcheck: install-packages install-memcheck-packages ## Look for memory errors and leaks, under valgrind (minutes)
-	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p cgal-sys -p cholmod-sys --lib
+	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p cgal-sys -p cholmod-sys
 	OPENBLAS_NUM_THREADS=1 $(UNDER_VALGRIND) -p dempfv --test pfv_renewal --test coupling_failures -- --test-threads=1
 
 # Needs a nightly toolchain with rust-src. What C++ and C do among themselves is not seen.

@@ -24,6 +24,7 @@ enum Fault {
     NotPositiveDefinite,
     OutOfMemory,
     NotFinite,
+    GivesUp,
     Panic,
 }
 
@@ -48,6 +49,7 @@ impl NetworkBuilder for Faulty {
             Some(Fault::OutOfMemory) => {
                 return Err(SolverError::OutOfMemory { solver: "s", phase: "factor", n: 9 }.into());
             }
+            Some(Fault::GivesUp) => return Ok(None),
             Some(Fault::Panic) => panic!("on purpose"),
             Some(Fault::NotFinite) => order.fluid.viscosity = f64::NAN,
             None => {}
@@ -93,10 +95,11 @@ fn restored(from: &Coupled, acceleration: Acceleration) -> Coupled {
 /// disturbed (a machine with more memory, say), and so does the next step.
 #[test]
 fn a_failure_stops_with_its_cause_and_its_step() {
-    let third: [fn(u64) -> Option<Fault>; 4] = [
+    let third: [fn(u64) -> Option<Fault>; 5] = [
         |k| (k == 2).then_some(Fault::NotPositiveDefinite),
         |k| (k == 2).then_some(Fault::OutOfMemory),
         |k| (k == 2).then_some(Fault::NotFinite),
+        |k| (k == 2).then_some(Fault::GivesUp),
         |k| (k == 2).then_some(Fault::Panic),
     ];
     let expected = course(&mut moving(3, every(10), mode(Background)), 50, DT);
@@ -117,6 +120,7 @@ fn a_failure_stops_with_its_cause_and_its_step() {
                 (Fault::Panic, Error::Coupling(CouplingError::WorkerPanicked { what })) => {
                     assert_eq!(what, "on purpose");
                 }
+                (Fault::GivesUp, Error::Coupling(CouplingError::NoNetwork)) => {}
                 (_, other) => panic!("{kind:?}: {other:?}"),
             }
             assert!(error.to_string().contains("step 15"), "{error}");

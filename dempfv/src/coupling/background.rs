@@ -199,12 +199,12 @@ fn serve(
 ) {
     for Message { ticket, order, cancelled } in inbox {
         let start = Instant::now();
-        // Dropped here, a cancelled network does not wait in the channel.
-        let flow = match guarded(|| pool.install(|| builder.build(order, &cancelled))) {
-            Ok(Some(flow)) if !cancelled.load(Ordering::Relaxed) => Ok(flow),
-            Ok(_) => continue,
-            Err(error) => Err(error),
-        };
+        let built = guarded(|| pool.install(|| builder.build(order, &cancelled)));
+        if cancelled.load(Ordering::Relaxed) {
+            // Dropped here, it does not wait in the channel.
+            continue;
+        }
+        let flow = built.and_then(complete);
         if outbox.send(Answer { ticket, flow, took: start.elapsed() }).is_err() {
             return;
         }
@@ -218,6 +218,11 @@ pub(super) fn guarded(work: impl FnOnce() -> Result<Option<Flow>>) -> Result<Opt
         let what = said(&*panic).to_owned();
         Err(CouplingError::WorkerPanicked { what }.into())
     })
+}
+
+/// The network of a builder that nobody has told to stop.
+pub(super) fn complete(built: Option<Flow>) -> Result<Flow> {
+    built.ok_or_else(|| CouplingError::NoNetwork.into())
 }
 
 /// The words of a panic.

@@ -55,4 +55,7 @@ pub enum CouplingError {
         /// What it said.
         what: String,
     },
+    /// Whatever builds networks gave none and no reason.
+    #[error("no network was built, though nobody cancelled it")]
+    NoNetwork,
 }

@@ -11,9 +11,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use super::CouplingError;
 use super::auto_interval::AutoInterval;
-use super::background::{Answer, NetworkBuilder, Order, StandardBuilder, Ticket, Worker, guarded};
+use super::background::{
+    Answer, NetworkBuilder, Order, StandardBuilder, Ticket, Worker, complete, guarded,
+};
 use super::coupled::Saturation;
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
@@ -321,10 +322,7 @@ impl Networks {
     fn build(&mut self, snapshot: &Snapshot, site: Site, phases: &mut Phases) -> Result<Flow> {
         let order = self.order(snapshot, site);
         let never = AtomicBool::new(false);
-        let flow = guarded(|| self.builder.build(order, &never))?.ok_or_else(|| {
-            let what = "the builder gave up without being told to".to_owned();
-            Error::from(CouplingError::WorkerPanicked { what })
-        })?;
+        let flow = guarded(|| self.builder.build(order, &never)).and_then(complete)?;
         let times = flow.build_times();
         self.auto.built(times.total());
         phases.book_build(times);
