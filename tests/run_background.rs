@@ -2,9 +2,6 @@
 
 mod program;
 
-use std::process::Stdio;
-use std::time::{Duration, Instant};
-
 use program::{Folder, error, packing, scene};
 use serde_json::Value;
 
@@ -96,23 +93,7 @@ pictures = false
         packing("oedometer-1000.txt")
     );
     folder.write("scene.toml", &text);
-    let mut child = folder
-        .command(&["run", "scene.toml", "--out", "cut"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let history = folder.0.join("cut/history.csv");
-    let patience = Instant::now();
-    while !history.exists() && patience.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let kill = std::process::Command::new("sh")
-        .args(["-c", &format!("kill -INT {}", child.id())])
-        .status()
-        .unwrap();
-    assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    folder.interrupt(&["run", "scene.toml", "--out", "cut"], "cut/history.csv");
     folder.done(&["run", "scene.toml", "--out", "cut", "--restart", "cut/checkpoint.dempfv"]);
     folder.done(&["run", "scene.toml", "--out", "whole"]);
     let (joined, whole) = (folder.json("cut/summary.json"), folder.json("whole/summary.json"));

@@ -2,9 +2,6 @@
 
 mod program;
 
-use std::process::Stdio;
-use std::time::{Duration, Instant};
-
 use program::{Folder, STAGES, error, packing, scene};
 use serde_json::Value;
 
@@ -60,24 +57,7 @@ steps = 3000
 walls = { y_max = { velocity = -1e-4 } }
 "#;
     folder.write("scene.toml", &scene(stage, ""));
-    let mut child = folder
-        .command(&["run", "scene.toml", "--out", "cut"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    // The handler stands before the first file is written.
-    let history = folder.0.join("cut/history.csv");
-    let patience = Instant::now();
-    while !history.exists() && patience.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    let kill = std::process::Command::new("sh")
-        .args(["-c", &format!("kill -INT {}", child.id())])
-        .status()
-        .unwrap();
-    assert!(kill.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    folder.interrupt(&["run", "scene.toml", "--out", "cut"], "cut/history.csv");
     let cut = folder.json("cut/summary.json");
     assert_eq!((&cut["interrupted"], &cut["finished"]), (&true.into(), &false.into()));
     folder.done(&["run", "scene.toml", "--out", "cut", "--restart", "cut/checkpoint.dempfv"]);
