@@ -54,7 +54,7 @@ demo-test: demo install-test-packages
 
 # The crates are ready to publish: they build from their own packages.
 package-test: install-packages
-	cargo package --workspace --locked --allow-dirty
+	tests/package.sh
 
 compare-yade: build install-yade ## Run YADE on the same input, side by side; writes docs/yade.md (long)
 	$(DEMPFV) compare yade --out $(COMPARISON) --force
