@@ -317,3 +317,60 @@ steps = 1
     folder.done(&["check", "cloud.toml", "--json", "cloud.json"]);
     assert_eq!(folder.json("cloud.json")["estimate"]["counted"], false);
 }
+
+/// `check` tells all three bounds of the time step, which one rules and where
+/// the fastest viscous mode is; the history has those that a run goes by. The
+/// viscous bound of this packing is 2 / (199.70 /s) (by ARPACK, see the tests
+/// of the library), over 1.2 for the damping.
+#[test]
+fn check_and_history_tell_what_bounds_the_time_step() {
+    let folder = Folder::new("time-step");
+    let file = packing("oedometer-1000.txt");
+    folder.write(
+        "scene.toml",
+        &format!(
+            r#"
+[particles]
+packing = "{file}"
+[dem]
+[fluid]
+viscosity = 1e-3
+pressure = {{ y_max = 0.0 }}
+[[stage]]
+kind = "run"
+steps = 10
+"#
+        ),
+    );
+    let shown = folder.done(&["check", "scene.toml"]);
+    for text in
+        ["the contacts' stiffness", "(Δt_MK)", "2/λ_max", "(Δt_MV)", "safe side", "spheres "]
+    {
+        assert!(shown.contains(text), "no {text} in\n{shown}");
+    }
+    folder.done(&["check", "scene.toml", "--json", "plan.json"]);
+    let plan = folder.json("plan.json");
+    let bounds = &plan["stability"]["bounds"];
+    assert_eq!(bounds, &plan["estimate"]["bounds"]);
+    let exact = 2.0 / (1.2 * 199.7046);
+    let viscous = number(&bounds["viscous"]);
+    assert!(viscous > 0.97 * exact && viscous < exact, "{viscous} against {exact}");
+    // 2 π 2600 (2 · 0.850 mm)² / 8 for the smallest sphere.
+    assert!((number(&bounds["viscous_estimate"]) / 5.917e-3 - 1.0).abs() < 1e-3);
+    assert_eq!(plan["stability"]["rule"], "contacts");
+    assert!(number(&plan["stability"]["carriers"][0][1]) > 0.05);
+
+    folder.done(&["run", "scene.toml", "--out", "out"]);
+    let history = folder.read("out/history.csv");
+    let mut lines = history.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let value = |name: &str| -> f64 {
+        row[header.iter().position(|c| *c == name).unwrap()].parse().unwrap()
+    };
+    assert!((value("dt_contact_s") / number(&bounds["contact"]) - 1.0).abs() < 1e-9);
+    // Too slow to matter beside the contacts, so it is left rough.
+    assert!((0.5..1.01).contains(&(value("dt_viscous_s") / exact)));
+    assert!(value("dt_s") < 0.8 * value("dt_contact_s"));
+    assert!(value("dt_s") > 0.79 * value("dt_contact_s"));
+}

@@ -10,6 +10,7 @@ pub mod pfv;
 pub mod scene;
 pub mod solver;
 pub mod theory;
+mod time_step;
 
 pub use domain::{Aabb, UnknownWall, Vec3, WallId};
 pub use error::{Error, InputError, Result};

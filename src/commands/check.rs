@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use dempfv::coupling::{Stability, TimeStepBounds};
+use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
 use dempfv::scene::{Estimate, Plan, Specimen, StageKind, TimeStep, Until};
 use dempfv::{Aabb, Error};
@@ -13,6 +15,9 @@ use super::format::{bytes, count, duration, si, three_digits};
 
 /// The pores of packings of up to so many spheres are counted.
 const COUNTED: usize = 50_000;
+/// The time step of packings of up to so many spheres is found from the
+/// network itself, which takes a factorization.
+const MEASURED: usize = 20_000;
 
 /// What `check` takes.
 #[derive(clap::Args)]
@@ -30,6 +35,9 @@ pub struct Report {
     stages: Vec<StageReport>,
     bounds: Option<Aabb>,
     estimate: Estimate,
+    /// Where the fastest viscous mode lives; `None` where there is no packing
+    /// yet, or a large one.
+    stability: Option<Stability>,
     plan: Plan,
 }
 
@@ -51,7 +59,7 @@ struct StageReport {
 /// network of the packing, where the scene needs one.
 pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
-    let (specimen, bounds) = specimen(&plan)?;
+    let (specimen, bounds, stability) = specimen(&plan)?;
     let estimate = Estimate::of(&plan, &specimen);
     let stages = plan
         .stages
@@ -74,40 +82,65 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         stages,
         bounds,
         estimate,
+        stability,
         plan,
     })
 }
 
-/// The spheres of a plan and the box they are in. The pores of a packing file are
-/// counted, not estimated, if that takes no longer than a second.
-fn specimen(plan: &Plan) -> Result<(Specimen, Option<Aabb>), Error> {
+type Known = (Specimen, Option<Aabb>, Option<Stability>);
+
+/// The spheres of a plan, the box they are in, and what bounds the time step.
+/// The pores of a packing file are counted, not estimated, if that takes no
+/// longer than a second or two.
+fn specimen(plan: &Plan) -> Result<Known, Error> {
     let Some((packing, bounds)) = plan.packing()? else {
-        return Ok((Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds));
+        return Ok((Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds, None));
     };
     let mut specimen = Specimen::of_radii(&packing.radius);
-    let compacted = plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_)));
-    if let Some(fluid) = &plan.fluid
-        && packing.len() <= COUNTED
-        && !compacted
-        && let Some(pressure) = pressures(plan)
-    {
-        let boundary = Boundary { pressure };
-        let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
-        let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
-        let (network, derivatives) =
-            Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
-        let operators = Operators::new(&network, derivatives, boundary)?;
-        specimen.pores = Some(network.pores());
-        specimen.unknowns = Some(operators.unknowns());
-        specimen.factor_entries = Some(0);
-        if operators.unknowns() > 0 {
-            let places: Vec<[f64; 3]> =
-                operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
-            let symbolic = fluid.solver.backend().analyze(&operators.matrix, Some(&places))?;
-            specimen.factor_entries = Some(symbolic.analysis().nnz_l as usize);
+    let mut stability = None;
+    if !plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_))) {
+        if packing.len() <= MEASURED {
+            stability = Stability::of(plan)?;
+        }
+        match &stability {
+            Some(found) => {
+                specimen.pores = Some(found.pores);
+                specimen.unknowns = Some(found.unknowns);
+                specimen.factor_entries = Some(found.factor_entries as usize);
+                specimen.bounds = Some(found.bounds);
+            }
+            None if packing.len() <= COUNTED => count_pores(plan, &packing, bounds, &mut specimen)?,
+            None => {}
         }
     }
-    Ok((specimen, Some(bounds)))
+    Ok((specimen, Some(bounds), stability))
+}
+
+/// Counts pores, unknowns and the entries of the factor, where a stage has
+/// flow.
+fn count_pores(
+    plan: &Plan,
+    packing: &Packing,
+    bounds: Aabb,
+    specimen: &mut Specimen,
+) -> Result<(), Error> {
+    let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
+    let boundary = Boundary { pressure };
+    let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
+    let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
+    let (network, derivatives) =
+        Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
+    let operators = Operators::new(&network, derivatives, boundary)?;
+    specimen.pores = Some(network.pores());
+    specimen.unknowns = Some(operators.unknowns());
+    specimen.factor_entries = Some(0);
+    if operators.unknowns() > 0 {
+        let places: Vec<[f64; 3]> =
+            operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
+        let symbolic = fluid.solver.backend().analyze(&operators.matrix, Some(&places))?;
+        specimen.factor_entries = Some(symbolic.analysis().nnz_l as usize);
+    }
+    Ok(())
 }
 
 /// The pressures on the walls in the stages that couple the fluid, else in the first
@@ -186,14 +219,48 @@ impl Report {
             three_digits(self.plan.walls.friction_angle.to_degrees()),
         );
         line(f, "material", &text)?;
-        let (limit, reason) = bounds.limit();
+        let limit = bounds.limit();
         let choice = match dem.dt {
             TimeStep::Auto => format!("automatic, about {}", si(dt, "s")),
             TimeStep::Fixed(_) => si(dt, "s"),
         };
         let verdict = if dt > limit { "; the step is above it: expect it to blow up" } else { "" };
-        let text = format!("{choice}; limit about {}, set by {reason}{verdict}", si(limit, "s"));
-        line(f, "time step", &text)
+        let text =
+            format!("{choice}; limit about {}, set by {}{verdict}", si(limit, "s"), bounds.rule());
+        line(f, "time step", &text)?;
+        self.write_bounds(f, &bounds)
+    }
+
+    /// The three bounds that the limit comes from.
+    fn write_bounds(&self, f: &mut fmt::Formatter<'_>, bounds: &TimeStepBounds) -> fmt::Result {
+        line(f, "  contacts", &format!("{} (Δt_MK)", si(bounds.contact, "s")))?;
+        let Some(estimate) = bounds.viscous_estimate else { return Ok(()) };
+        let exact = match (bounds.viscous, &self.stability) {
+            (Some(exact), Some(found)) if exact.is_finite() => {
+                let carriers: Vec<String> = found
+                    .carriers
+                    .iter()
+                    .map(|(i, share)| format!("{i} ({:.0} %)", 100.0 * share))
+                    .collect();
+                format!(
+                    "{} (2/λ_max of V M⁻¹, damping counted); fastest where spheres {} are",
+                    si(exact, "s"),
+                    carriers.join(", ")
+                )
+            }
+            (Some(_), _) => "none: no pore resists".to_owned(),
+            (None, _) => "not known before there is a network; until then eq. A.11".to_owned(),
+        };
+        line(f, "  viscosity", &exact)?;
+        let side = match bounds.viscous {
+            Some(exact) if exact.is_finite() => {
+                let ratio = estimate / exact;
+                let side = if ratio > 1.0 { "unsafe" } else { "safe" };
+                format!(", {} times that, on the {side} side", three_digits(ratio))
+            }
+            _ => String::new(),
+        };
+        line(f, "  eq. A.11", &format!("{} (Δt_MV){side}", si(estimate, "s")))
     }
 
     fn write_cost(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

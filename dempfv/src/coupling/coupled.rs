@@ -3,13 +3,15 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::TimeStepBounds;
 use super::background::NetworkBuilder;
 use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
-use super::wet::Motion;
+use super::stability;
+use super::wet::{Motion, Wet};
 use crate::dem::{Dem, DemError, WallControl};
-use crate::pfv::{BuildTimes, Flow, Fluid};
+use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
 use crate::scene::Acceleration;
 use crate::solver::SolverKind;
 use crate::{Result, Vec3};
@@ -162,6 +164,45 @@ impl Coupled {
         let (force, wall_force) = wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
         phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
         Ok(())
+    }
+
+    /// Finds the fastest viscous mode of the network that the next step uses,
+    /// which is built or taken into use if it is due. Returns whether the mode
+    /// is new; never where the pores are empty. Unless `exact`, a mode too slow
+    /// to matter beside the contacts remains rough.
+    ///
+    /// # Errors
+    /// As a remesh, or when a solve fails.
+    pub fn update_viscous_mode(&mut self, exact: bool) -> Result<bool> {
+        let Some(saturation) = self.saturation else { return Ok(false) };
+        let Coupled { dem, networks, phases, probes, .. } = self;
+        if !networks.is_idle(&saturation.remesh) {
+            phases.time(Phase::Contacts, || dem.compute_contacts())?;
+            networks.prepare(Site { dem, saturation: &saturation, step: self.steps }, phases)?;
+        }
+        let Some(wet) = &mut networks.current else { return Ok(false) };
+        wet.watch(probes);
+        let Wet { flow, state, .. } = wet;
+        if state.fastest.is_current(dem) {
+            return Ok(false);
+        }
+        phases.time(Phase::Contacts, || dem.compute_contacts())?;
+        phases.time(Phase::TimeStep, || state.fastest.update(flow, dem, exact))?;
+        Ok(true)
+    }
+
+    /// The mode that [`Coupled::update_viscous_mode`] found for the network in
+    /// use.
+    pub fn viscous_mode(&self) -> Option<&ViscousMode> {
+        self.networks.current.as_ref()?.state.fastest.current()
+    }
+
+    /// What bounds the time step, as far as it is known, with the contacts of
+    /// the last step.
+    pub fn time_step_bounds(&mut self) -> TimeStepBounds {
+        let viscosity = self.saturation.map(|s| s.fluid.viscosity);
+        let fastest = self.networks.current.as_ref().map(|wet| &wet.state.fastest);
+        stability::bounds(&mut self.dem, viscosity, fastest)
     }
 
     /// Books what building a network took.

@@ -38,11 +38,11 @@ mod phases;
 mod remesh;
 mod setup;
 mod simulation;
+mod stability;
 mod stages;
 mod wet;
 
 pub use background::{NetworkBuilder, Order, StandardBuilder};
-pub use clock::{TimeStepBounds, viscous_time_step};
 pub use coupled::{Coupled, Saturation};
 pub use error::CouplingError;
 pub use observe::Observation;
@@ -54,3 +54,6 @@ pub use phases::{Phase, Phases};
 pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
 pub use setup::initial_packing;
 pub use simulation::{Simulation, State};
+pub use stability::Stability;
+
+pub use crate::time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};

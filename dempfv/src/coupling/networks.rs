@@ -19,6 +19,7 @@ use super::coupled::Saturation;
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
 use super::setup::with_users_numbers;
+use super::stability::FastestMode;
 use super::wet::Wet;
 use crate::dem::Dem;
 use crate::pfv::{Carried, Flow, Spare};
@@ -352,7 +353,9 @@ impl Networks {
         if beside == Some(false) {
             self.spare = None;
         }
+        let mut fastest = FastestMode::default();
         if let Some(Legacy { pressures, state }) = self.legacy.take() {
+            fastest = state.fastest.outdated();
             flow.carry_over(&pressures);
             self.counts.replaced(site.step - state.snapshot.step);
         }
@@ -371,6 +374,7 @@ impl Networks {
             volume_change,
             solution: vec![],
             pending: None,
+            fastest,
         };
         self.current = Some(Wet::new(flow, state));
         self.auto.swapped();

@@ -27,11 +27,13 @@ pub enum Phase {
     Swap,
     /// Waiting for a network from the background.
     Wait,
+    /// The viscous bound of the automatic time step.
+    TimeStep,
 }
 
 impl Phase {
     /// All phases.
-    pub const ALL: [Phase; 10] = [
+    pub const ALL: [Phase; 11] = [
         Phase::Contacts,
         Phase::Integration,
         Phase::VolumeRates,
@@ -42,6 +44,7 @@ impl Phase {
         Phase::Factor,
         Phase::Swap,
         Phase::Wait,
+        Phase::TimeStep,
     ];
 
     /// The phase's name in summaries.
@@ -57,6 +60,7 @@ impl Phase {
             "factor",
             "swap",
             "wait",
+            "time_step",
         ][self as usize]
     }
 }

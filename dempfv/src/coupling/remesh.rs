@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::stability::FastestMode;
 use crate::dem::Dem;
 use crate::pfv::BuildTimes;
 use crate::{Aabb, Vec3};
@@ -50,6 +51,8 @@ pub struct FluidState {
     pub(super) solution: Vec<f64>,
     /// What the next network is being built from.
     pub(super) pending: Option<Snapshot>,
+    /// What bounds the automatic time step, as far as it is known.
+    pub(super) fastest: FastestMode,
 }
 
 impl FluidState {

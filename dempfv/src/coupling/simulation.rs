@@ -242,9 +242,10 @@ impl Simulation {
         self.coupled.observe()
     }
 
-    /// What bounds the time step now.
-    pub fn time_step_bounds(&self) -> TimeStepBounds {
-        TimeStepBounds::of(&self.coupled.dem, self.plan.fluid.as_ref().map(|f| f.viscosity))
+    /// The bounds that the automatic time step was last chosen by; `None` with
+    /// a fixed one.
+    pub fn time_step_bounds(&self) -> Option<TimeStepBounds> {
+        self.clock.bounds
     }
 
     /// What a checkpoint must hold.

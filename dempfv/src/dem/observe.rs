@@ -96,16 +96,19 @@ impl Dem {
     /// `safety`: √2 min over spheres and axes of √(m/k) and √(I/k_r), with k
     /// the sum over the sphere's contacts of the diagonal of
     /// k_s 1 + (k_n − k_s) n⊗n, and k_r that of k_s r² (1 − n⊗n). `None`
-    /// without contacts. One pass over the contacts.
-    pub fn contact_time_step(&self, safety: f64) -> Option<f64> {
-        let p = &self.particles;
-        let mut sums = vec![[Vec3::zeros(); 2]; p.len()];
+    /// without contacts. One pass over the contacts; allocates in the first
+    /// call only.
+    pub fn contact_time_step(&mut self, safety: f64) -> Option<f64> {
+        let mut sums = std::mem::take(&mut self.stiffness);
+        sums.resize(self.particles.len(), [Vec3::zeros(); 2]);
+        sums.fill([Vec3::zeros(); 2]);
         for c in self.contacts() {
             self.add_stiffness(&mut sums[c.i as usize], &c);
             if let Partner::Sphere(j) = c.partner {
                 self.add_stiffness(&mut sums[j as usize], &c);
             }
         }
+        let p = &self.particles;
         // Largest k/m over spheres and axes.
         let mut fastest = 0.0f64;
         for (i, [k, k_r]) in sums.iter().enumerate() {
@@ -115,6 +118,7 @@ impl Dem {
                 fastest = fastest.max(k_r.max() / (0.4 * p.mass[i]));
             }
         }
+        self.stiffness = sums;
         (fastest > 0.0).then(|| safety * (2.0 / fastest).sqrt())
     }
 
@@ -122,7 +126,7 @@ impl Dem {
     /// [`Dem::contact_time_step`], or that of the lightest sphere with a
     /// single contact where it is less: a sphere that touches nothing may
     /// touch something before the next look.
-    pub fn safe_time_step(&self, safety: f64) -> f64 {
+    pub fn safe_time_step(&mut self, safety: f64) -> f64 {
         let p = self.particles();
         let frequency2 = (p.radius.iter().zip(&p.mass))
             .map(|(&r, m)| self.law.pair_stiffness(r, r) / m)

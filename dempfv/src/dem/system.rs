@@ -50,6 +50,9 @@ pub struct Dem {
     pub(super) wall_sums: [WallSum; 6],
     /// See [`Dem::set_wall_resistance`].
     wall_resistance: [f64; 6],
+    /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
+    /// contacts, and rotational stiffness over r².
+    pub(super) stiffness: Vec<[Vec3; 2]>,
     /// Something has used up the skin.
     outdated: bool,
 }
@@ -111,6 +114,7 @@ impl Dem {
             forces: Forces::default(),
             wall_sums: [WallSum::ZERO; 6],
             wall_resistance: [0.0; 6],
+            stiffness: vec![],
             outdated: true,
             particles,
             walls,

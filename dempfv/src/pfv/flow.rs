@@ -50,6 +50,20 @@ pub struct Flow {
     wall_force: [Vec3; 6],
 }
 
+/// Volume rates and pressures of a motion that is only tried out.
+pub(super) struct DragScratch {
+    volume_rate: Vec<f64>,
+    /// Zero where the pressure is imposed.
+    pressure: Vec<f64>,
+}
+
+impl DragScratch {
+    pub fn new(network: &Network) -> DragScratch {
+        let zeros = vec![0.0; network.pores()];
+        DragScratch { volume_rate: zeros.clone(), pressure: zeros }
+    }
+}
+
 /// A measured permeability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Permeability {
@@ -254,24 +268,52 @@ impl Flow {
     /// # Errors
     /// As [`Flow::solve`].
     pub fn wall_resistance(&mut self, wall: WallId) -> Result<f64> {
-        let Flow { network, operators, correction, rhs, .. } = self;
-        let Some(factor) = &mut self.factor else { return Ok(0.0) };
-        let spheres = vec![Vec3::zeros(); network.tessellation.spheres];
-        let mut velocity = [0.0; 6];
-        velocity[wall.index()] = 1.0;
-        let mut rate = vec![0.0; network.pores()];
-        operators.volume_rate(&spheres, &velocity, &mut rate);
+        let mut force = vec![Vec3::zeros(); self.network.tessellation.spheres];
+        self.wall_drag(wall, &mut DragScratch::new(&self.network), &mut force)
+    }
+
+    /// [`Flow::wall_resistance`], and the force on each sphere (N) when the
+    /// wall moves at 1 m/s.
+    pub(super) fn wall_drag(
+        &mut self,
+        wall: WallId,
+        scratch: &mut DragScratch,
+        force: &mut [Vec3],
+    ) -> Result<f64> {
+        let mut speed = [0.0; 6];
+        speed[wall.index()] = 1.0;
+        let at_rest = vec![Vec3::zeros(); force.len()];
+        let wall_force = self.drag(&at_rest, &speed, scratch, force)?;
+        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
+    }
+
+    /// The fluid's force on spheres (N) and walls (returned) that move, the
+    /// imposed pressures being zero: `f = -F G⁻¹ E v`. Leaves the pressures of
+    /// the flow as they are. Takes a solve.
+    pub(super) fn drag(
+        &mut self,
+        velocity: &[Vec3],
+        wall_velocity: &[f64; 6],
+        scratch: &mut DragScratch,
+        force: &mut [Vec3],
+    ) -> Result<[Vec3; 6]> {
+        let Flow { operators, correction, rhs, factor, .. } = self;
+        let mut wall_force = [Vec3::zeros(); 6];
+        let Some(factor) = factor else {
+            force.fill(Vec3::zeros());
+            return Ok(wall_force);
+        };
+        let DragScratch { volume_rate, pressure } = scratch;
+        operators.volume_rate(velocity, wall_velocity, volume_rate);
         for (b, &pore) in rhs.iter_mut().zip(&operators.pore_of) {
-            *b = -rate[pore as usize];
+            *b = -volume_rate[pore as usize];
         }
         factor.solve(rhs, correction)?;
-        let mut pressure = vec![0.0; network.pores()];
         for (p, &pore) in correction.iter().zip(&operators.pore_of) {
             pressure[pore as usize] = *p;
         }
-        let (mut force, mut wall_force) = (spheres, [Vec3::zeros(); 6]);
-        operators.forces(&pressure, &mut force, &mut wall_force);
-        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
+        operators.forces(pressure, force, &mut wall_force);
+        Ok(wall_force)
     }
 
     /// Pressure of each pore (Pa).

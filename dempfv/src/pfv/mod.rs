@@ -17,6 +17,7 @@ mod flow;
 mod fluid;
 
 mod frame;
+mod krylov;
 mod locate;
 mod network;
 mod operators;
@@ -25,6 +26,7 @@ mod polyhedra;
 mod pore;
 mod tessellation;
 mod throat;
+mod viscous;
 
 pub use build::{Analyzed, Assembled, BuildTimes, Spare};
 pub use carry::Carried;
@@ -36,3 +38,4 @@ pub use fluid::{Boundary, Fluid};
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;
 pub use tessellation::{NONE, Tessellation};
+pub use viscous::ViscousMode;

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::acceleration::{OnFailure, RemeshMode};
 use super::plan::*;
+use crate::time_step::{TimeStepBounds, viscous_time_step};
 
 /// What is known about the spheres and pores of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -22,6 +23,8 @@ pub struct Specimen {
     pub unknowns: Option<usize>,
     /// Entries of the Cholesky factor, if the matrix has been analysed.
     pub factor_entries: Option<usize>,
+    /// Bounds on the time step, if they were computed for the packing itself.
+    pub bounds: Option<TimeStepBounds>,
 }
 
 impl Specimen {
@@ -54,40 +57,24 @@ impl Specimen {
     }
 }
 
-/// Bounds on the time step (s).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StepBounds {
-    /// Stability of the contacts: √2 √(m / k), k for six contacts of random direction.
-    pub contact: f64,
-    /// Stability of the flow, 2 π ρ d² / (8000 μ) (Caulk et al. 2020, appendix A); `None`
-    /// when no stage couples the fluid.
-    pub viscous: Option<f64>,
-}
-
-impl StepBounds {
-    /// The bounds for the smallest sphere of a specimen.
-    ///
-    /// With k_n = E r between equal spheres and contacts of random direction, the diagonal
-    /// of the summed stiffness is 6 (k_n + 2 k_s) / 3.
-    pub fn of(plan: &Plan, specimen: &Specimen) -> StepBounds {
-        use std::f64::consts::PI;
-        let material = &plan.particles;
-        let r = specimen.smallest_radius;
-        let mass = 4.0 / 3.0 * PI * r.powi(3) * material.density;
-        let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
-        let coupled = plan.stages.iter().any(|s| s.kind.is_coupled());
-        let viscous = plan.fluid.as_ref().filter(|_| coupled).map(|fluid| {
-            2.0 * PI * material.density * (2.0 * r).powi(2) / (8000.0 * fluid.viscosity)
-        });
-        StepBounds { contact: (2.0 * mass / stiffness).sqrt(), viscous }
-    }
-
-    /// The smaller bound (s) and what sets it.
-    pub fn limit(&self) -> (f64, &'static str) {
-        match self.viscous {
-            Some(viscous) if viscous < self.contact => (viscous, "the fluid's viscosity"),
-            _ => (self.contact, "the contacts' stiffness"),
-        }
+/// The bounds on the time step for the smallest sphere of a specimen, where
+/// its contacts and pores are not known: √2 √(m / k), k for six contacts of
+/// random direction, and eq. A.11 of Caulk 2020 where a stage couples the
+/// fluid.
+///
+/// With k_n = E r between equal spheres and contacts of random direction, the
+/// diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3.
+fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
+    let material = &plan.particles;
+    let r = smallest_radius;
+    let mass = 4.0 / 3.0 * std::f64::consts::PI * r.powi(3) * material.density;
+    let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
+    let coupled = plan.stages.iter().any(|s| s.kind.is_coupled());
+    let fluid = plan.fluid.as_ref().filter(|_| coupled);
+    TimeStepBounds {
+        contact: (2.0 * mass / stiffness).sqrt(),
+        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.viscosity)),
+        viscous: None,
     }
 }
 
@@ -106,8 +93,9 @@ pub struct Estimate {
     pub counted: bool,
     /// Peak memory (bytes).
     pub memory: f64,
-    /// Bounds on the time step; `None` when nothing moves.
-    pub bounds: Option<StepBounds>,
+    /// Bounds on the time step; `None` when nothing moves. Where the viscous
+    /// bound of the network is not known, estimates from the smallest sphere.
+    pub bounds: Option<TimeStepBounds>,
     /// Time step (s); `None` when nothing moves.
     pub dt: Option<f64>,
     /// Time of a dry step (s); `None` when nothing moves.
@@ -131,10 +119,11 @@ impl Estimate {
             Flow::of(specimen, drained)
         });
         let dem = plan.dem.as_ref().filter(|_| any(StageKind::moves));
-        let bounds = dem.map(|_| StepBounds::of(plan, specimen));
+        let estimated = || estimated_bounds(plan, specimen.smallest_radius);
+        let bounds = dem.map(|_| specimen.bounds.unwrap_or_else(estimated));
         let dt = dem.zip(bounds).map(|(dem, bounds)| match dem.dt {
             TimeStep::Fixed(dt) => dt,
-            TimeStep::Auto => dem.safety * bounds.limit().0,
+            TimeStep::Auto => bounds.automatic(dem.safety),
         });
         let dry = DRY_STEP * specimen.spheres as f64;
         let remesh = flow.as_ref().map(Flow::remesh);
@@ -229,6 +218,7 @@ impl Flow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time_step::TimeStepRule;
 
     fn near(value: f64, expected: f64, tolerance: f64) {
         assert!((value / expected - 1.0).abs() < tolerance, "{value} against {expected}");
@@ -285,9 +275,10 @@ mod tests {
             steps = 1
         "#;
         let plan = Plan::from_toml(scene, None).unwrap();
-        let bounds = StepBounds::of(&plan, &Specimen::of_cloud(&plan).unwrap());
+        let smallest = Specimen::of_cloud(&plan).unwrap().smallest_radius;
+        let bounds = estimated_bounds(&plan, smallest);
         near(bounds.contact, (2.0 * 4.595e-6 / 3000.0f64).sqrt(), 1e-3);
-        near(bounds.viscous.unwrap(), 4.594e-3, 1e-3);
-        assert_eq!(bounds.limit().1, "the contacts' stiffness");
+        near(bounds.viscous_estimate.unwrap(), 4.594e-3, 1e-3);
+        assert_eq!(bounds.rule(), TimeStepRule::Contacts);
     }
 }

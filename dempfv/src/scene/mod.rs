@@ -15,7 +15,7 @@ mod rules;
 mod table;
 
 pub use acceleration::{Acceleration, OnFailure, RemeshMode, Swap};
-pub use estimate::{Estimate, Specimen, StepBounds};
+pub use estimate::{Estimate, Specimen};
 pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};
 pub use plan::{

@@ -1,7 +1,7 @@
 //! The columns of `history.csv`.
 
 use dempfv::WallId;
-use dempfv::coupling::Simulation;
+use dempfv::coupling::{Simulation, TimeStepBounds};
 use dempfv::io::history::Value;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
@@ -12,6 +12,9 @@ pub fn columns(probes: usize) -> Vec<String> {
         "time_s",
         "stage",
         "dt_s",
+        "dt_contact_s",
+        "dt_viscous_s",
+        "dt_viscous_estimate_s",
         "size_x_m",
         "size_y_m",
         "size_z_m",
@@ -52,6 +55,11 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
     values.push(simulation.time().into());
     values.push(simulation.last_stage().into());
     values.push(simulation.dt().into());
+    let bounds = simulation.time_step_bounds();
+    let bound = |pick: fn(TimeStepBounds) -> Option<f64>| bounds.and_then(pick).unwrap_or(f64::NAN);
+    values.push(bound(|b| Some(b.contact)).into());
+    values.push(bound(|b| b.viscous).into());
+    values.push(bound(|b| b.viscous_estimate).into());
     values.extend(seen.size.map(Value::from));
     values.push(seen.porosity.into());
     values.push((seen.contacts as u64).into());

@@ -49,6 +49,7 @@ impl State {
         let status = coupled.time_dry(Phase::Contacts, |dem| growth.step(dem))?;
         if !status.done {
             context.clock.dt = growth.time_step();
+            context.clock.bounds = None;
             context.clock.advance();
             return Ok(Progress::Running);
         }

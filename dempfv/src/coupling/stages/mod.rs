@@ -143,8 +143,7 @@ impl Context<'_> {
     }
 
     fn step_with(&mut self, wanted: TimeStep, safety: f64) -> Result<()> {
-        let viscosity = self.coupled.saturation().map(|s| s.fluid.viscosity);
-        let dt = self.clock.next_dt(wanted, safety, &self.coupled.dem, viscosity);
+        let dt = self.clock.next_dt(wanted, safety, self.coupled)?;
         self.coupled.step(dt)?;
         self.clock.advance();
         Ok(())
