@@ -93,6 +93,34 @@ fn parallel_tasks_change_no_bit() {
     }
 }
 
+/// Whoever looks at the viscous mode before a step, as the automatic time step
+/// does, finds the network that the step uses: nothing is built twice, and no
+/// bit changes.
+#[test]
+fn a_look_at_the_viscous_mode_changes_no_bit() {
+    for remesh in [AtOnce, Ahead, Background] {
+        for rule in [every(1), every(7), strain(0.1)] {
+            for parallel_tasks in [false, true] {
+                let how = Acceleration { parallel_tasks, ..mode(remesh) };
+                let mut plain = moving(3, rule, how);
+                let mut looking = moving(3, rule, how);
+                for step in 0..40 {
+                    plain.step(DT).unwrap();
+                    let renewed = looking.update_viscous_mode(false).unwrap();
+                    assert!(!looking.update_viscous_mode(false).unwrap());
+                    looking.step(DT).unwrap();
+                    let at = format!("{remesh:?}, {rule:?}, tasks {parallel_tasks}, step {step}");
+                    assert!(bits(&looking) == bits(&plain), "{at}");
+                    assert_eq!(looking.remeshes(), plain.remeshes(), "{at}");
+                    assert_eq!(looking.network_age(), plain.network_age(), "{at}");
+                    assert!(renewed || rule != every(1) || step == 0, "{at}");
+                    assert!(looking.viscous_mode().is_some() && plain.viscous_mode().is_none());
+                }
+            }
+        }
+    }
+}
+
 /// With an interval of 10, positions are taken after 5 steps and their network
 /// is in use from 10 to 19: it is 15 steps old when it is replaced. At once, it
 /// is 10. With an interval of 1, positions of each step serve the next but one.

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use dempfv::coupling::{Coupled, CouplingError, NetworkBuilder, Order, StandardBuilder};
+use dempfv::coupling::{
+    Coupled, CouplingError, NetworkBuilder, Order, RemeshRule, StandardBuilder,
+};
 use dempfv::dem::{Dem, DemOptions};
 use dempfv::pfv::Flow;
 use dempfv::scene::{Acceleration, OnFailure, RemeshMode};
@@ -181,6 +183,22 @@ fn with_retry_the_old_network_stays() {
         assert_eq!((found.failures, found.networks), (counts.failures, counts.networks));
         // The background works at one more when the simulation ends.
         assert!(builds_there == builds || builds_there == builds + 1);
+    }
+}
+
+/// Once the strain is past its limit each step tries to remesh: once, also
+/// where the time step asks for the network first.
+#[test]
+fn a_step_tries_once() {
+    let rule = RemeshRule { interval: None, strain: Some(1e-6) };
+    for remesh in [Ahead, Background] {
+        let mut coupled = moving(3, rule, retrying(remesh));
+        coupled.build_with(Faulty::new(|k| (k > 0).then_some(Fault::OutOfMemory)));
+        for step in 0..10 {
+            coupled.update_viscous_mode(false).unwrap();
+            coupled.step(DT).unwrap();
+            assert_eq!(coupled.remesh_counts().failures, step, "{remesh:?}");
+        }
     }
 }
 

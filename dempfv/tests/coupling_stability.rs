@@ -252,19 +252,11 @@ fn equation_a11_may_lie_on_either_side() {
 }
 
 /// With dt = "auto" a viscous packing is stepped by its network's bound, new
-/// at each remesh, also after a restart: the same bits. Networks come at once,
-/// or from the background while one thread computes contacts and one the fluid.
+/// at each remesh, also after a restart: the same bits.
 #[test]
 fn the_automatic_step_follows_the_network_and_survives_a_restart() {
-    let at_once = packed("spread = 0.0", 1e4);
-    let interval = "remesh_interval = 20";
-    let background = format!("{interval}\nremesh = \"background\"\nparallel_tasks = true");
-    follow_the_network(&at_once);
-    follow_the_network(&at_once.replace(interval, &background));
-}
-
-fn follow_the_network(text: &str) {
-    let mut simulation = start(text);
+    let text = packed("spread = 0.0", 1e4);
+    let mut simulation = start(&text);
     let mut saved: Vec<State> = vec![];
     let mut steps = vec![];
     while simulation.stage().is_some() {
@@ -289,11 +281,92 @@ fn follow_the_network(text: &str) {
         checkpoint::save(&file, &state).unwrap();
         let read: State = checkpoint::load(&file).unwrap();
         let at = read.step();
-        let mut again = Simulation::restart(plan(text), read).unwrap();
+        let mut again = Simulation::restart(plan(&text), read).unwrap();
         while again.advance().unwrap() {}
         assert_eq!(again.state_hash(), end, "from step {at}");
     }
     std::fs::remove_file(&file).unwrap();
+}
+
+/// [`packed`] equal spheres, with other keys for when to remesh.
+fn remeshed(keys: &str) -> String {
+    packed("spread = 0.0", 1e4).replace("remesh_interval = 20", keys)
+}
+
+/// The state before the first coupled step.
+fn compacted(text: &str) -> State {
+    let mut simulation = start(text);
+    while simulation.outcomes().is_empty() {
+        simulation.advance().unwrap();
+    }
+    simulation.state()
+}
+
+/// With networks from the background the step is that of the network in use,
+/// new at each swap: the same bits for any number of threads, whoever builds,
+/// and after a restart wherever in the interval. Positions are taken 10, 30,
+/// ... steps into the stage, and their networks come into use 10 steps later.
+#[test]
+fn the_automatic_step_follows_networks_from_the_background() {
+    let all = "remesh_interval = 20\nremesh = \"background\"\nparallel_tasks = true";
+    let ahead = "remesh_interval = 20\nremesh = \"ahead\"";
+    let begin = compacted(&remeshed(all));
+    let course = |keys: &str, from: State, threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = Simulation::restart(plan(&remeshed(keys)), from).unwrap();
+            let (mut steps, mut states) = (vec![], vec![]);
+            while simulation.advance().unwrap() {
+                steps.push(simulation.dt().to_bits());
+                if [5, 10, 11, 19, 20, 21, 33, 50, 51].contains(&simulation.stage_steps()) {
+                    states.push(simulation.state());
+                }
+                let mode = simulation.coupled().viscous_mode().unwrap();
+                let bound = simulation.time_step_bounds().unwrap().viscous.unwrap();
+                assert!((bound * 1.2 * mode.upper_rate() - 2.0).abs() < 1e-12);
+            }
+            (steps, states, simulation.state_hash(), simulation.remeshes())
+        })
+    };
+    let (steps, states, end, networks) = course(all, begin.clone(), 1);
+    assert_eq!(networks, 10);
+    let mut different = steps.clone();
+    different.dedup();
+    assert_eq!(different.len(), 10, "one step for each network");
+    for (keys, threads) in [(all, 2), (all, 3), (ahead, 2)] {
+        let (found, _, hash, _) = course(keys, begin.clone(), threads);
+        assert!(found == steps && hash == end, "{keys}, {threads} threads");
+    }
+    let done = begin.step();
+    for state in states {
+        let at = (state.step() - done) as usize;
+        let (found, _, hash, remeshes) = course(all, state, 2);
+        assert!(found == steps[at..] && hash == end, "restarted {at} steps into the stage");
+        assert_eq!(remeshes, 10);
+    }
+}
+
+/// Where the background decides when a network comes into use, a step still
+/// goes by the bound of the network that it uses, and nothing waits forever.
+#[test]
+fn the_automatic_step_keeps_up_with_a_background_that_decides() {
+    for keys in [
+        "remesh_interval = 1\nremesh = \"background\"\nswap = \"when ready\"",
+        "remesh_interval = \"auto\"\nremesh = \"background\"",
+        "remesh_interval = \"auto\"\nremesh = \"background\"\nswap = \"when ready\"",
+    ] {
+        for tasks in [false, true] {
+            let text = remeshed(&format!("{keys}\nparallel_tasks = {tasks}"));
+            let mut simulation = Simulation::restart(plan(&text), compacted(&text)).unwrap();
+            while simulation.advance().unwrap() {
+                let mode = simulation.coupled().viscous_mode().expect("of the network in use");
+                let bounds = simulation.time_step_bounds().unwrap();
+                let bound = bounds.viscous.unwrap();
+                assert!((bound * 1.2 * mode.upper_rate() - 2.0).abs() < 1e-12);
+                assert!((simulation.dt() / (0.8 * bounds.limit()) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
 }
 
 /// What `dempfv check` tells: the spheres of the fastest mode by the user's

@@ -101,16 +101,18 @@ impl Coupled {
         let beside = self.networks.acceleration().parallel_tasks
             && self.networks.is_idle(&saturation.remesh);
         if beside {
+            self.networks.begin_step();
             self.contacts_beside_fluid(dt)?;
         } else {
-            let Coupled { dem, phases, networks, probes, .. } = self;
+            let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
             let before = Instant::now();
-            networks.prepare(Site { dem, saturation: &saturation, step: self.steps }, phases)?;
+            self.prepare_network(&saturation)?;
+            self.networks.begin_step();
             // A step's own time is without its remesh.
             start += before.elapsed();
+            let Coupled { dem, phases, networks, .. } = self;
             if let Some(wet) = &mut networks.current {
-                wet.watch(probes);
                 let velocity = &dem.particles().velocity;
                 wet.advance(&motion(dem, velocity, dt), phases)?;
             }
@@ -118,6 +120,16 @@ impl Coupled {
         self.integrate(dt)?;
         self.networks.stepped(start.elapsed());
         self.steps += 1;
+        Ok(())
+    }
+
+    /// Sees to it that the next step has its network, once.
+    fn prepare_network(&mut self, saturation: &Saturation) -> Result<()> {
+        let Coupled { dem, phases, networks, probes, .. } = self;
+        networks.prepare(Site { dem, saturation, step: self.steps }, phases)?;
+        if let Some(wet) = &mut networks.current {
+            wet.watch(probes);
+        }
         Ok(())
     }
 
@@ -167,26 +179,23 @@ impl Coupled {
     }
 
     /// Finds the fastest viscous mode of the network that the next step uses,
-    /// which is built or taken into use if it is due. Returns whether the mode
-    /// is new; never where the pores are empty. Unless `exact`, a mode too slow
-    /// to matter beside the contacts remains rough.
+    /// which comes into use here if it is due: the step finds that done, and
+    /// uses no other. Returns whether the mode is new; never
+    /// where the pores are empty. Unless `exact`, a mode too slow to matter
+    /// beside the contacts remains rough.
     ///
     /// # Errors
     /// As a remesh, or when a solve fails.
     pub fn update_viscous_mode(&mut self, exact: bool) -> Result<bool> {
         let Some(saturation) = self.saturation else { return Ok(false) };
-        let Coupled { dem, networks, phases, probes, .. } = self;
-        if !networks.is_idle(&saturation.remesh) {
-            phases.time(Phase::Contacts, || dem.compute_contacts())?;
-            networks.prepare(Site { dem, saturation: &saturation, step: self.steps }, phases)?;
-        }
-        let Some(wet) = &mut networks.current else { return Ok(false) };
-        wet.watch(probes);
-        let Wet { flow, state, .. } = wet;
-        if state.fastest.is_current(dem) {
+        self.prepare_network(&saturation)?;
+        let Coupled { dem, phases, networks, .. } = self;
+        let Some(wet) = networks.current.as_mut().filter(|wet| !wet.state.fastest.is_current(dem))
+        else {
             return Ok(false);
-        }
+        };
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
+        let Wet { flow, state, .. } = wet;
         phases.time(Phase::TimeStep, || state.fastest.update(flow, dem, exact))?;
         Ok(true)
     }

@@ -37,6 +37,8 @@ pub(super) struct Networks {
     pending: Option<Pending>,
     worker: Option<Worker>,
     auto: AutoInterval,
+    /// The next step has its network.
+    prepared: bool,
     pub counts: RemeshCounts,
 }
 
@@ -96,6 +98,7 @@ impl Networks {
             pending: None,
             worker: None,
             auto: AutoInterval::default(),
+            prepared: false,
             counts: RemeshCounts::default(),
         }
     }
@@ -137,6 +140,7 @@ impl Networks {
     }
 
     fn forget_pending(&mut self) {
+        self.prepared = false;
         self.pending = None;
         if let Some(worker) = &mut self.worker {
             worker.cancel();
@@ -144,8 +148,11 @@ impl Networks {
     }
 
     /// True when the next step needs neither a new network nor positions for
-    /// one.
+    /// one, or has them.
     pub fn is_idle(&mut self, rule: &RemeshRule) -> bool {
+        if self.prepared {
+            return true;
+        }
         let interval = self.interval(rule);
         let Some(wet) = &self.current else { return false };
         let due = Due::of(wet, rule, interval);
@@ -156,11 +163,27 @@ impl Networks {
         }
     }
 
-    /// Sees to it that the next step has its network.
+    /// Sees to it that the next step has its network. Until that step begins,
+    /// a second call does nothing: what follows from the network, such as a
+    /// time step, holds for the step, however fast the background is.
     ///
     /// # Errors
     /// Why there is none.
     pub fn prepare(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
+        if !self.prepared {
+            self.renew(site, phases)?;
+            self.prepared = true;
+        }
+        Ok(())
+    }
+
+    /// A step begins: the one after it may need another network.
+    pub fn begin_step(&mut self) {
+        self.prepared = false;
+    }
+
+    /// Takes into use, and orders, what is due.
+    fn renew(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
         // Positions without a network in use are those of a remesh that failed
         // after the old one had made room.
         if self.current.is_none() && !(self.pending.is_some() && self.swap(site, phases)?) {
