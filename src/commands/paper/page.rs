@@ -1,0 +1,88 @@
+//! The page: what was measured, on what, beside what the paper says.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use dempfv::io::atomic;
+
+use super::draw::FOLDER;
+use super::figures::Figure;
+use super::machine::Machine;
+use super::measured::Measured;
+use super::timing::Mode;
+use super::{claims, raw};
+use crate::commands::Error;
+use crate::commands::doctor;
+
+/// Writes the page with its figures and the raw timings; returns where it is.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(
+    folder: &Path,
+    name: &str,
+    measured: &Measured,
+    machine: &Machine,
+    left_out: &[String],
+) -> Result<PathBuf, Error> {
+    let figures = folder.join(FOLDER);
+    std::fs::create_dir_all(&figures).map_err(|e| dempfv::Error::io(&figures, e))?;
+    let mut text = head(measured, machine);
+    text += &claims::section(measured);
+    for figure in Figure::ALL {
+        text += &figure.section(measured, folder)?;
+    }
+    text += &format!(
+        "## Raw timings\n\n[timings.csv]({FOLDER}/timings.csv) has every run: the seven timings of \
+         section 5.3 (allocate, build, analyze, factor, solve, volumes, forces) and the rest of a \
+         step, in seconds.\n"
+    );
+    if !left_out.is_empty() {
+        text += &format!("\nNot measured on this machine: {}.\n", left_out.join("; "));
+    }
+    atomic::write(&figures.join("timings.csv"), raw::csv(measured).as_bytes())?;
+    let path = folder.join(name);
+    atomic::write(&path, text.as_bytes())?;
+    Ok(path)
+}
+
+fn head(measured: &Measured, machine: &Machine) -> String {
+    let versions = doctor::versions();
+    let of = |name| versions.get(name).map_or("unknown", String::as_str);
+    let revisions = revisions(measured);
+    format!(
+        "# The paper's accelerations, measured\n\n\
+         This page and its figures are written by `dempfv paper`; `make paper` writes them anew. \
+         The figures have the numbers of Caulk, Catalano and Chareyre (2020). The specimens are \
+         cubes of spheres, settled at 1 kPa, with the paper's load, time step (1 µs), viscosity and \
+         drainage; the largest has as many unknown pressures as the paper's. The paper's numbers \
+         come from its own machines, so ratios compare and times do not.\n\n\
+         Measured on {} of {}, {} GB of memory. dempfv {} ({}), CHOLMOD {} (SuiteSparse {}), METIS \
+         {}, CGAL {}, {}, rustc {}. Single runs on a machine whose speed drifts by tens of per \
+         cent. Times by the clock.\n\n",
+        measured.all_cores(),
+        machine.processor,
+        (machine.memory * 1e-9).round(),
+        of("dempfv"),
+        revisions,
+        of("cholmod"),
+        of("suitesparse"),
+        of("metis"),
+        of("cgal"),
+        of("blas"),
+        of("rustc"),
+    )
+}
+
+/// Revisions of this program that the measurements were made with.
+fn revisions(measured: &Measured) -> String {
+    let runs = measured.rows.iter().flat_map(|row| Mode::ALL.map(|mode| row.timing(mode)));
+    let of_runs = runs.flatten().filter_map(|timing| timing.versions().remove("git"));
+    let ends = measured.remesh.iter().flat_map(|r| &r.intervals).map(|end| end.git.clone());
+    let found: BTreeSet<String> = of_runs.chain(ends).collect();
+    match found.len() {
+        0 => format!("revision {}", env!("DEMPFV_GIT_VERSION")),
+        1 => format!("revision {}", found.into_iter().collect::<String>()),
+        _ => format!("revisions {}", found.into_iter().collect::<Vec<_>>().join(", ")),
+    }
+}
