@@ -66,7 +66,8 @@ fn build(packing: &Path, specimen: &Specimen) -> Result<Built, Error> {
     let begin = Instant::now();
     while best.network_s == f64::INFINITY || begin.elapsed().as_secs_f64() < MEASURE_FOR {
         let start = Instant::now();
-        let network = Network::new(&position, &radius, bounds, &fluid).map_err(dempfv::Error::from)?;
+        let network =
+            Network::new(&position, &radius, bounds, &fluid).map_err(dempfv::Error::from)?;
         let network_s = start.elapsed().as_secs_f64();
         let start = Instant::now();
         Operators::new(&network, fluid.boundary).map_err(dempfv::Error::from)?;

@@ -18,11 +18,15 @@ struct Claim {
 
 /// Every claim beside ours, as a table.
 pub fn section(measured: &Measured) -> String {
-    let rows = claims(measured).into_iter().map(|c| {
-        vec![c.theirs.to_owned(), c.ours.unwrap_or_else(|| NOTHING.to_owned()), c.why]
-    });
+    let rows = claims(measured)
+        .into_iter()
+        .map(|c| vec![c.theirs.to_owned(), c.ours.unwrap_or_else(|| NOTHING.to_owned()), c.why]);
     let mut text = "## The claims of the paper's summary, and ours\n\n".to_owned();
-    text += &table(&["the paper", "ours", "where ours differs"], rows).replacen("---:|---:", "---|---", 1);
+    text += &table(&["the paper", "ours", "where ours differs"], rows).replacen(
+        "---:|---:",
+        "---|---",
+        1,
+    );
     text
 }
 
@@ -42,9 +46,9 @@ fn claims(measured: &Measured) -> Vec<Claim> {
 
 fn in_all(measured: &Measured) -> Claim {
     let found = measured.largest(acceleration);
-    let ours = found.as_ref().map(|(row, a)| {
-        format!("{}x at {}", three_digits(a.factor()), unknowns(row.unknowns()))
-    });
+    let ours = found
+        .as_ref()
+        .map(|(row, a)| format!("{}x at {}", three_digits(a.factor()), unknowns(row.unknowns())));
     let why = "Ours has no GPU in it, and compares with one core that remeshes at every step \
                (Figure 5): the ratio is that of a remesh to a step, so it grows with the size, and \
                it is the smaller the faster the remesh was before.";

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use dempfv::scene::{self, Estimate, Plan};
 
+use super::built;
 use super::figures::Figure;
 use super::machine::Machine;
 use super::remesh;
 use super::specimens::Specimen;
 use super::timing::{self, Mode};
-use super::built;
 use crate::commands::Error;
 use crate::commands::bench::Bench;
 use crate::commands::format::duration;
@@ -27,47 +27,72 @@ enum Job {
     Run { specimen: Specimen, mode: Mode },
 }
 
+/// A point with what it can be expected to need.
+struct Planned {
+    job: Job,
+    need: Need,
+}
+
+/// What a point can be expected to need.
+#[derive(Clone, Copy)]
+struct Need {
+    /// Time (s).
+    time: f64,
+    /// Memory (bytes).
+    memory: f64,
+}
+
 /// Points that are to be measured, small specimens first.
 pub struct Jobs {
-    list: Vec<Job>,
+    list: Vec<Planned>,
     /// Points that this machine has no memory for.
     pub left_out: Vec<String>,
 }
 
 impl Jobs {
     /// What these figures need of these specimens.
-    pub fn new(figures: &[Figure], specimens: &[Specimen], machine: &Machine) -> Jobs {
+    ///
+    /// # Errors
+    /// The project's packings are not there.
+    pub fn new(
+        figures: &[Figure],
+        specimens: &[Specimen],
+        machine: &Machine,
+    ) -> Result<Jobs, Error> {
         let mut jobs = Jobs { list: vec![], left_out: vec![] };
         if figures.contains(&Figure::Remesh) {
-            jobs.list.extend(remesh::Run::all().map(Job::Remesh));
+            for run in remesh::Run::all() {
+                jobs.add(Job::Remesh(run), machine)?;
+            }
         }
         for &specimen in specimens {
             if figures.contains(&Figure::Build) {
-                jobs.list.push(Job::Built { specimen, threads: 1 });
-                if machine.threads > 1 {
-                    jobs.list.push(Job::Built { specimen, threads: machine.threads });
+                for threads in [1, machine.threads].into_iter().take(machine.threads) {
+                    jobs.add(Job::Built { specimen, threads }, machine)?;
                 }
             }
-            for mode in Mode::ALL {
-                let needed = figures.iter().any(|figure| figure.modes().contains(&mode));
-                let job = Job::Run { specimen, mode };
-                if needed && (mode != Mode::Plain || job.seconds() <= AFFORDABLE) {
-                    jobs.add(job, machine);
-                }
+            let needed = |mode: &Mode| figures.iter().any(|f| f.modes().contains(mode));
+            for mode in Mode::ALL.into_iter().filter(needed) {
+                jobs.add(Job::Run { specimen, mode }, machine)?;
             }
         }
-        jobs
+        Ok(jobs)
     }
 
-    fn add(&mut self, job: Job, machine: &Machine) {
-        let memory = job.memory();
-        if machine.memory > 0.0 && memory > machine.memory {
-            let (need, have) = (memory * 1e-9, machine.memory * 1e-9);
+    fn add(&mut self, job: Job, machine: &Machine) -> Result<(), Error> {
+        let need = job.need()?;
+        let composed = matches!(job, Job::Run { mode: Mode::Plain, .. }) && need.time > AFFORDABLE;
+        if composed {
+            return Ok(());
+        }
+        if machine.memory > 0.0 && need.memory > machine.memory {
+            let (need, have) = (need.memory * 1e-9, machine.memory * 1e-9);
             let point = job.point();
             self.left_out.push(format!("{point} (needs about {need:.0} GB of {have:.0} GB)"));
         } else {
-            self.list.push(job);
+            self.list.push(Planned { job, need });
         }
+        Ok(())
     }
 
     /// Makes all of it unknown.
@@ -75,7 +100,7 @@ impl Jobs {
     /// # Errors
     /// When the system refuses.
     pub fn forget(&self, bench: &Bench) -> Result<(), Error> {
-        self.list.iter().try_for_each(|job| bench.forget(&format!("{}.json", job.point())))
+        self.list.iter().try_for_each(|p| bench.forget(&format!("{}.json", p.job.point())))
     }
 
     /// Measures what is not known yet; says on a terminal how long all of it takes.
@@ -84,8 +109,8 @@ impl Jobs {
     /// The first that fails; all before it are kept.
     pub fn carry_out(&self, bench: &Bench, threads: usize) -> Result<(), Error> {
         let (mut done, mut spent) = (0.0, 0.0);
-        for (i, job) in self.list.iter().enumerate() {
-            let left: f64 = self.list[i..].iter().map(Job::seconds).sum();
+        for (i, Planned { job, need }) in self.list.iter().enumerate() {
+            let left: f64 = self.list[i..].iter().map(|p| p.need.time).sum();
             // The machine at hand is as fast as it has been so far.
             let pace = if done > 0.0 { spent / done } else { 1.0 };
             let (k, all, left) = (i + 1, self.list.len(), duration(pace * left));
@@ -95,7 +120,7 @@ impl Jobs {
             let time = start.elapsed().as_secs_f64();
             // Points that were known take no time and tell nothing about the machine.
             if time > 0.1 {
-                (done, spent) = (done + job.seconds(), spent + time);
+                (done, spent) = (done + need.time, spent + time);
             }
         }
         Ok(())
@@ -122,36 +147,34 @@ impl Job {
         }
     }
 
-    /// About how long it takes (s).
-    fn seconds(&self) -> f64 {
+    fn need(&self) -> Result<Need, Error> {
         match *self {
             Job::Remesh(run) => {
-                let e = estimate(&remesh::SPECIMEN, Mode::AllCores);
-                remesh::STEPS as f64 * (e.step + e.remesh / run.interval() as f64)
+                let e = expected(&remesh::SPECIMEN, Mode::AllCores)?;
+                let time = remesh::STEPS as f64 * (e.step + e.remesh / run.interval() as f64);
+                Ok(Need { time, memory: e.memory })
             }
-            Job::Built { specimen, threads } => {
-                let all = 3e-6 * f64::from(specimen.spheres) * 6.0;
-                if threads == 1 { 1.5 * all } else { all }.max(1.0)
+            // A network without its factor takes little of either.
+            Job::Built { specimen, .. } => {
+                let time = (NETWORK * f64::from(specimen.spheres)).max(1.0);
+                Ok(Need { time, memory: 0.0 })
             }
             Job::Run { specimen, mode } => {
-                let e = estimate(&specimen, mode);
+                let e = expected(&specimen, mode)?;
                 let (steps, interval) = (mode.steps(&specimen), mode.interval(&specimen));
-                steps as f64 * e.step + steps.div_ceil(interval) as f64 * e.remesh
+                let remeshes = steps.div_ceil(interval) as f64;
+                let time = steps as f64 * e.step + remeshes * e.remesh;
+                Ok(Need { time, memory: e.memory })
             }
-        }
-    }
-
-    /// About how much memory it needs (bytes).
-    fn memory(&self) -> f64 {
-        match *self {
-            Job::Run { specimen, mode } => estimate(&specimen, mode).memory,
-            Job::Remesh(_) | Job::Built { .. } => 0.0,
         }
     }
 }
 
-/// What a run can be expected to need.
-struct Need {
+/// Time to build a network (s per sphere): 3 µs for each of six pores, on one core.
+const NETWORK: f64 = 18e-6;
+
+/// What a run consists of.
+struct Expected {
     /// Time of a step between two remeshes (s).
     step: f64,
     /// Time of a remesh (s).
@@ -160,18 +183,18 @@ struct Need {
     memory: f64,
 }
 
-fn estimate(specimen: &Specimen, mode: Mode) -> Need {
-    let scene = timing::scene("packing".as_ref(), specimen, mode);
+fn expected(specimen: &Specimen, mode: Mode) -> Result<Expected, Error> {
+    let plan = Plan::from_toml(&timing::scene(&specimen.base()?, specimen, mode), None)?;
     let spheres =
         scene::Specimen { spheres: specimen.spheres as usize, ..scene::Specimen::default() };
-    // The scene is ours and right: without a plan there would be nothing to measure either.
-    let Ok(plan) = Plan::from_toml(&scene, None) else {
-        return Need { step: 0.0, remesh: 0.0, memory: 0.0 };
-    };
     let e = Estimate::of(&plan, &spheres);
     let remesh = e.remesh.unwrap_or(0.0);
-    let share = remesh / mode.interval(specimen) as f64;
-    Need { step: e.coupled_step.unwrap_or(0.0) - share, remesh, memory: e.memory }
+    // The estimate has the remeshes' share of a step in it, but for those in the background.
+    let share = match mode {
+        Mode::Accelerated => 0.0,
+        _ => remesh / mode.interval(specimen) as f64,
+    };
+    Ok(Expected { step: e.coupled_step.unwrap_or(0.0) - share, remesh, memory: e.memory })
 }
 
 /// A line on stderr for whoever waits at a terminal.
@@ -188,6 +211,10 @@ mod tests {
     use super::super::specimens::SPECIMENS;
     use super::*;
 
+    fn all_jobs() -> Jobs {
+        Jobs::new(&Figure::ALL, &SPECIMENS, &machine()).unwrap()
+    }
+
     fn machine() -> Machine {
         Machine { processor: String::new(), memory: 24.0 * 1024.0_f64.powi(3), threads: 2 }
     }
@@ -195,34 +222,34 @@ mod tests {
     /// 2 cores and 24 GiB are the machine that the series is made for.
     #[test]
     fn the_series_fits_two_cores_and_24_gib_and_90_minutes() {
-        let jobs = Jobs::new(&Figure::ALL, &SPECIMENS, &machine());
+        let jobs = all_jobs();
         assert_eq!(jobs.left_out, Vec::<String>::new());
-        let total: f64 = jobs.list.iter().map(Job::seconds).sum();
+        let total: f64 = jobs.list.iter().map(|p| p.need.time).sum();
         assert!(total < 90.0 * 60.0, "{total} s");
     }
 
     /// One size at a time, small ones first; no run without acceleration that takes long.
     #[test]
     fn what_is_quick_comes_first() {
-        let jobs = Jobs::new(&Figure::ALL, &SPECIMENS, &machine());
+        let jobs = all_jobs();
         let spheres: Vec<u32> = jobs
             .list
             .iter()
-            .filter_map(|job| match job {
+            .filter_map(|p| match p.job {
                 Job::Run { specimen, .. } => Some(specimen.spheres),
                 _ => None,
             })
             .collect();
         assert!(spheres.is_sorted());
-        let plain = |job: &&Job| matches!(job, Job::Run { mode: Mode::Plain, .. });
-        assert!(jobs.list.iter().filter(plain).all(|job| job.seconds() <= AFFORDABLE));
-        assert!(jobs.list.iter().any(|job| plain(&job)));
+        let plain = |p: &&Planned| matches!(p.job, Job::Run { mode: Mode::Plain, .. });
+        assert!(jobs.list.iter().filter(plain).all(|p| p.need.time <= AFFORDABLE));
+        assert_eq!(jobs.list.iter().filter(plain).count(), 1, "1,000 spheres alone are quick");
     }
 
     #[test]
     fn what_does_not_fit_the_memory_is_left_out_and_named() {
         let small = Machine { memory: 1e9, ..machine() };
-        let jobs = Jobs::new(&[Figure::Parts], &SPECIMENS, &small);
+        let jobs = Jobs::new(&[Figure::Parts], &SPECIMENS, &small).unwrap();
         assert!(jobs.left_out.iter().any(|what| what.contains("run-343000-")));
         assert!(!jobs.left_out.iter().any(|what| what.contains("run-1000-")));
     }

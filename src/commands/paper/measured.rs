@@ -83,8 +83,7 @@ impl Row {
         for mode in Mode::ALL {
             timings[mode as usize] = timing::known(bench, specimen, mode, mode.threads(threads))?;
         }
-        let built =
-            [built::known(bench, specimen, 1)?, built::known(bench, specimen, threads)?];
+        let built = [built::known(bench, specimen, 1)?, built::known(bench, specimen, threads)?];
         let gpu = with_gpu(&bench.folder.join(GPU_FOLDER), specimen)?;
         Ok(Row { specimen: *specimen, timings, built, gpu })
     }

@@ -60,11 +60,11 @@ pub struct Report {
 pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     let specimens = specimens::chosen(&args.sizes)?;
     let figures = if args.figures.is_empty() { &Figure::ALL[..] } else { &args.figures };
+    let machine = Machine::here(context.threads);
+    let jobs = Jobs::new(figures, &specimens, &machine)?;
     let folder = folder(&args.output)?;
     make_folder(&folder)?;
-    let machine = Machine::here(context.threads);
     let bench: Bench = Bench::lasting(folder, (), &machine.to_string())?;
-    let jobs = Jobs::new(figures, &specimens, &machine);
     if args.output.force {
         jobs.forget(&bench)?;
     }

@@ -35,7 +35,8 @@ fn line(row: &Row, device: &str, mode: &str, timing: &Timing) -> String {
     cells.extend(["network", "analyze", "factor"].map(|p| seconds(timing.per_remesh(p))));
     cells.extend([solve, volumes, forces, contacts, integration]);
     // Remeshes in the background have no part in the time of a step.
-    let step = if mode == Mode::Accelerated.name() { timing.wall_per_step() } else { timing.step() };
+    let step =
+        if mode == Mode::Accelerated.name() { timing.wall_per_step() } else { timing.step() };
     cells.push(seconds(step));
     cells.push(seconds(timing.number("wall_s")));
     cells.push(whole("peak_memory_bytes"));

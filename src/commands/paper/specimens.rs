@@ -56,11 +56,6 @@ pub fn chosen(sizes: &[u32]) -> Result<Vec<Specimen>, InputError> {
 }
 
 impl Specimen {
-    /// True when it has to be made before it is used.
-    pub fn is_tiled(&self) -> bool {
-        self.copies > 1
-    }
-
     /// What it is made of.
     pub fn origin(&self) -> String {
         match self.copies {
@@ -69,14 +64,22 @@ impl Specimen {
         }
     }
 
+    /// The packing file that it consists of.
+    ///
+    /// # Errors
+    /// It is not there.
+    pub fn base(&self) -> Result<PathBuf, InputError> {
+        shipped(self.base)
+    }
+
     /// The packing file of this specimen. Copies are put together and settled in the first
     /// call, and kept.
     ///
     /// # Errors
     /// The packings are not there, or the copies do not settle.
     pub fn packing(&self, bench: &Bench) -> Result<PathBuf, Error> {
-        let base = shipped(self.base)?;
-        if !self.is_tiled() {
+        let base = self.base()?;
+        if self.copies == 1 {
             return Ok(base);
         }
         let folder = bench.folder.join("packings").join(self.spheres.to_string());

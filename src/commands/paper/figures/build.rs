@@ -16,12 +16,9 @@ pub fn factor_section(measured: &Measured, folder: &Path) -> Result<String, Erro
     text += "Analyze is METIS and the symbolic analysis, which CHOLMOD does on one core. Factor is \
              CHOLMOD's supernodal factorization; its BLAS runs on one core, whatever the number of \
              threads, because OpenBLAS gives other bits with two.\n\n";
-    for (phase, file, title) in
-        [("analyze", "fig-6a", "Analyze"), ("factor", "fig-6b", "Factor")]
-    {
+    for (phase, file, title) in [("analyze", "fig-6a", "Analyze"), ("factor", "fig-6b", "Factor")] {
         let curves = by_device(measured, |t| t.per_remesh(phase));
-        let picture =
-            draw::draw(title, "", Axis::log(UNKNOWNS), Axis::log("Time (s)"), &curves);
+        let picture = draw::draw(title, "", Axis::log(UNKNOWNS), Axis::log("Time (s)"), &curves);
         text += &draw::save(folder, file, title, &picture)?;
         text += &format!("{title} (s):\n\n");
         text += &device_table(measured, |t| t.per_remesh(phase));

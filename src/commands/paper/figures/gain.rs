@@ -19,7 +19,8 @@ pub fn gain(row: &Row) -> Option<f64> {
 /// The most that it can be: the contacts, or the fluid, cost nothing (1).
 fn most(row: &Row) -> Option<f64> {
     let timing = row.timing(Mode::AllCores)?;
-    let fluid: f64 = ["volume_rates", "solve", "fluid_forces"].map(|p| timing.per_step(p)).iter().sum();
+    let fluid: f64 =
+        ["volume_rates", "solve", "fluid_forces"].map(|p| timing.per_step(p)).iter().sum();
     let contacts = timing.per_step("contacts");
     Some(timing.step() / (timing.step() - fluid.min(contacts)))
 }
@@ -52,7 +53,14 @@ pub fn section(measured: &Measured, folder: &Path) -> Result<String, Error> {
             cell(most(row), three_digits),
         ]
     });
-    let header = ["spheres", "unknowns", "step, one after the other", "step, side by side", "gain", "at most"];
+    let header = [
+        "spheres",
+        "unknowns",
+        "step, one after the other",
+        "step, side by side",
+        "gain",
+        "at most",
+    ];
     text += &draw::table(&header, rows);
     Ok(text)
 }

@@ -56,7 +56,8 @@ fn pictures(remesh: &Remesh, folder: &Path) -> Result<String, Error> {
 
 fn table(remesh: &Remesh) -> String {
     let rows = remesh.intervals.iter().map(|end| {
-        let error = if end.interval == 1 { "0".to_owned() } else { format!("{:.1e}", remesh.error(end)) };
+        let error =
+            if end.interval == 1 { "0".to_owned() } else { format!("{:.1e}", remesh.error(end)) };
         vec![
             end.interval.to_string(),
             format!("{:.2}", end.at_bottom),
@@ -64,7 +65,8 @@ fn table(remesh: &Remesh) -> String {
             format!("{:.2}", end.wall_s),
         ]
     });
-    let header = ["remesh interval (steps)", "pressure (Pa)", "error of the field", "wall time (s)"];
+    let header =
+        ["remesh interval (steps)", "pressure (Pa)", "error of the field", "wall time (s)"];
     draw::table(&header, rows)
 }
 
@@ -87,8 +89,10 @@ fn replicates(remesh: &Remesh, folder: &Path) -> Result<String, Error> {
             remesh.replicates.len(),
             measured_threads(remesh),
         ),
-        false => "Our replicates end in different bits, which they must not: see the raw points.\n\n"
-            .to_owned(),
+        false => {
+            "Our replicates end in different bits, which they must not: see the raw points.\n\n"
+                .to_owned()
+        }
     };
     Ok(text)
 }

@@ -112,7 +112,13 @@ pub fn section(measured: &Measured, folder: &Path) -> Result<String, Error> {
     );
     let mut curves = by_device(measured, Timing::step);
     curves.push(accelerated);
-    text += &part(measured, folder, ("fig-8a", "Time per iteration", "Time (s)"), curves, Timing::step)?;
+    text += &part(
+        measured,
+        folder,
+        ("fig-8a", "Time per iteration", "Time (s)"),
+        curves,
+        Timing::step,
+    )?;
     let curves = by_device(measured, interval);
     let names = ("fig-8b", "Remesh interval of eq. 15", "Steps");
     text += &part(measured, folder, names, curves, interval)?;
