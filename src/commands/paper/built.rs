@@ -6,6 +6,7 @@ use std::time::Instant;
 use dempfv::coupling::initial_packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
 use dempfv::scene::Plan;
+use dempfv::{Aabb, InputError, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::specimens::Specimen;
@@ -35,7 +36,10 @@ pub fn measure(bench: &Bench, specimen: &Specimen, threads: usize) -> Result<Bui
     bench.remembered(&name, &specimen.origin(), || {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|e| dempfv::Error::io("threads", std::io::Error::other(e)))?;
-        bench.step(&name, || pool.install(|| build(&packing, specimen)))
+        bench.step(&name, || {
+            let input = Input::of(specimen, &packing)?;
+            pool.install(|| build(&input))
+        })
     })
 }
 
@@ -52,25 +56,56 @@ pub fn name(specimen: &Specimen, threads: usize) -> String {
     format!("build-{}-on-{threads}", specimen.spheres)
 }
 
-fn build(packing: &Path, specimen: &Specimen) -> Result<Built, Error> {
-    let plan = Plan::from_toml(&timing::scene(packing, specimen, Mode::AllCores), None)?;
-    let (position, radius, bounds) = initial_packing(&plan)?;
-    let pressure = plan.fluid.as_ref().map_or([None; 6], |f| f.pressure);
-    let fluid = Fluid {
-        viscosity: plan.fluid.as_ref().map_or(1e-3, |f| f.viscosity),
-        slip_walls: true,
-        clamp: dempfv::pfv::Clamp::None,
-        boundary: Boundary { pressure },
-    };
+/// A packing and the fluid in its pores, as the network takes them.
+pub struct Input {
+    position: Vec<Vec3>,
+    radius: Vec<f64>,
+    bounds: Aabb,
+    fluid: Fluid,
+}
+
+impl Input {
+    /// That of a specimen's runs.
+    ///
+    /// # Errors
+    /// When the packing is wrong.
+    pub fn of(specimen: &Specimen, packing: &Path) -> Result<Input, Error> {
+        let plan = Plan::from_toml(&timing::scene(packing, specimen, Mode::AllCores), None)?;
+        let (position, radius, bounds) = initial_packing(&plan)?;
+        let wet = plan.fluid.ok_or_else(|| InputError::new("no fluid", "add a table [fluid]"))?;
+        let boundary = Boundary { pressure: wet.pressure };
+        let (slip_walls, clamp) = (wet.slip_walls, wet.clamp);
+        let fluid = Fluid { viscosity: wet.viscosity, slip_walls, clamp, boundary };
+        Ok(Input { position, radius, bounds, fluid })
+    }
+
+    /// Triangulation, pores, throats.
+    ///
+    /// # Errors
+    /// The packing has no network.
+    pub fn network(&self) -> Result<Network, Error> {
+        Network::new(&self.position, &self.radius, self.bounds, &self.fluid)
+            .map_err(|e| dempfv::Error::from(e).into())
+    }
+
+    /// The sparse operators of a network.
+    ///
+    /// # Errors
+    /// A pressure is undetermined.
+    pub fn operators(&self, network: &Network) -> Result<Operators, Error> {
+        Operators::new(network, self.fluid.boundary).map_err(|e| dempfv::Error::from(e).into())
+    }
+}
+
+fn build(input: &Input) -> Result<Built, Error> {
     let mut best = Built { network_s: f64::INFINITY, operators_s: f64::INFINITY };
     let begin = Instant::now();
     while best.network_s == f64::INFINITY || begin.elapsed().as_secs_f64() < MEASURE_FOR {
         let start = Instant::now();
-        let network =
-            Network::new(&position, &radius, bounds, &fluid).map_err(dempfv::Error::from)?;
+        let network = input.network()?;
         let network_s = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        Operators::new(&network, fluid.boundary).map_err(dempfv::Error::from)?;
+        input.operators(&network)?;
         let operators_s = start.elapsed().as_secs_f64();
         best = Built {
             network_s: best.network_s.min(network_s),

@@ -13,7 +13,7 @@ const DOTS: Mark = Mark::Dots { radius: 3.2, apart: 0.0 };
 
 /// Measured points, joined in their order.
 pub struct Curve {
-    /// Name in the legend.
+    /// Name in the legend; without one it is in none.
     pub name: String,
     /// Where each point lies.
     pub points: Vec<(f64, f64)>,
@@ -37,7 +37,8 @@ pub fn draw(title: &str, caption: &str, x: Axis, y: Axis, curves: &[Curve]) -> P
         .filter(|(_, (curve, _))| !curve.points.is_empty())
         .flat_map(|(i, (curve, (x, y)))| {
             let color = SERIES[i % SERIES.len()];
-            let line = Series { name: Some(curve.name.clone()), x, y, color, mark: LINE };
+            let name = Some(curve.name.clone()).filter(|name| !name.is_empty());
+            let line = Series { name, x, y, color, mark: LINE };
             let dots = Series { name: None, mark: DOTS, ..line.clone() };
             [line, dots]
         })

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use dempfv::scene::{self, Estimate, Plan};
 
-use super::built;
 use super::figures::Figure;
 use super::machine::Machine;
 use super::remesh;
 use super::specimens::Specimen;
 use super::timing::{self, Mode};
+use super::{built, factored};
 use crate::commands::Error;
 use crate::commands::bench::Bench;
 use crate::commands::format::duration;
@@ -24,6 +24,7 @@ const AFFORDABLE: f64 = 60.0;
 enum Job {
     Remesh(remesh::Run),
     Built { specimen: Specimen, threads: usize },
+    Factored(Specimen),
     Run { specimen: Specimen, mode: Mode },
 }
 
@@ -70,6 +71,9 @@ impl Jobs {
                 for threads in [1, machine.threads].into_iter().take(machine.threads) {
                     jobs.add(Job::Built { specimen, threads }, machine)?;
                 }
+            }
+            if figures.contains(&Figure::Factor) && machine.threads > 1 {
+                jobs.add(Job::Factored(specimen), machine)?;
             }
             let needed = |mode: &Mode| figures.iter().any(|f| f.modes().contains(mode));
             for mode in Mode::ALL.into_iter().filter(needed) {
@@ -132,6 +136,7 @@ impl Job {
         match *self {
             Job::Remesh(run) => remesh::measure(bench, run, threads).map(drop),
             Job::Built { specimen, threads } => built::measure(bench, &specimen, threads).map(drop),
+            Job::Factored(specimen) => factored::measure(bench, &specimen, threads).map(drop),
             Job::Run { specimen, mode } => {
                 timing::measure(bench, &specimen, mode, mode.threads(threads)).map(drop)
             }
@@ -143,6 +148,7 @@ impl Job {
         match *self {
             Job::Remesh(run) => run.name(),
             Job::Built { specimen, threads } => built::name(&specimen, threads),
+            Job::Factored(specimen) => factored::name(&specimen),
             Job::Run { specimen, mode } => timing::name(&specimen, mode),
         }
     }
@@ -159,11 +165,16 @@ impl Job {
                 let time = (NETWORK * f64::from(specimen.spheres)).max(1.0);
                 Ok(Need { time, memory: 0.0 })
             }
+            Job::Factored(specimen) => {
+                let e = expected(&specimen, Mode::AllCores)?;
+                Ok(Need { time: e.remesh, memory: e.memory })
+            }
             Job::Run { specimen, mode } => {
                 let e = expected(&specimen, mode)?;
                 let (steps, interval) = (mode.steps(&specimen), mode.interval(&specimen));
                 let remeshes = steps.div_ceil(interval) as f64;
-                let time = steps as f64 * e.step + remeshes * e.remesh;
+                let once = steps as f64 * e.step + remeshes * e.remesh;
+                let time = mode.repeats(&specimen) as f64 * once;
                 Ok(Need { time, memory: e.memory })
             }
         }

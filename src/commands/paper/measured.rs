@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::built::{self, Built};
+use super::factored::{self, Factored};
 use super::remesh::{self, Remesh};
 use super::specimens::{SPECIMENS, Specimen};
 use super::timing::{self, Mode, Timing};
@@ -21,6 +22,8 @@ pub struct Row {
     timings: [Option<Timing>; Mode::ALL.len()],
     /// Its network on one core, and on all.
     pub built: [Option<Built>; 2],
+    /// Its factorization with the BLAS on all cores.
+    pub factored: Option<Factored>,
     /// Runs with a GPU, by the name of the device.
     pub gpu: Vec<(String, Timing)>,
 }
@@ -84,8 +87,9 @@ impl Row {
             timings[mode as usize] = timing::known(bench, specimen, mode, mode.threads(threads))?;
         }
         let built = [built::known(bench, specimen, 1)?, built::known(bench, specimen, threads)?];
+        let factored = factored::known(bench, specimen, threads)?;
         let gpu = with_gpu(&bench.folder.join(GPU_FOLDER), specimen)?;
-        Ok(Row { specimen: *specimen, timings, built, gpu })
+        Ok(Row { specimen: *specimen, timings, built, factored, gpu })
     }
 
     /// The run in a mode.

@@ -4,6 +4,7 @@
 mod built;
 mod claims;
 mod draw;
+mod factored;
 mod figures;
 mod jobs;
 mod machine;

@@ -24,20 +24,28 @@ pub struct Specimen {
     copies: u32,
     /// Steps that are timed after a remesh.
     pub steps: u64,
+    /// Times that they are timed.
+    pub repeats: usize,
 }
 
 /// Every specimen, small ones first.
 pub const SPECIMENS: [Specimen; 6] = [
-    specimen(1_000, "oedometer-1000.txt", 1, 600),
-    specimen(5_000, "oedometer-5000.txt", 1, 300),
-    specimen(20_000, "oedometer-20000.txt", 1, 120),
-    specimen(40_000, "oedometer-5000.txt", 2, 80),
-    specimen(160_000, "oedometer-20000.txt", 2, 40),
-    specimen(343_000, "oedometer-1000.txt", 7, 25),
+    specimen(1_000, "oedometer-1000.txt", 1, 600, 3),
+    specimen(5_000, "oedometer-5000.txt", 1, 300, 3),
+    specimen(20_000, "oedometer-20000.txt", 1, 120, 3),
+    specimen(40_000, "oedometer-5000.txt", 2, 80, 3),
+    specimen(160_000, "oedometer-20000.txt", 2, 40, 1),
+    specimen(343_000, "oedometer-1000.txt", 7, 25, 1),
 ];
 
-const fn specimen(spheres: u32, base: &'static str, copies: u32, steps: u64) -> Specimen {
-    Specimen { spheres, base, copies, steps }
+const fn specimen(
+    spheres: u32,
+    base: &'static str,
+    copies: u32,
+    steps: u64,
+    repeats: usize,
+) -> Specimen {
+    Specimen { spheres, base, copies, steps, repeats }
 }
 
 /// The specimens with these numbers of spheres; all if none is named.

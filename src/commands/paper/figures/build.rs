@@ -2,41 +2,70 @@
 
 use std::path::Path;
 
-use super::{Device, UNKNOWNS, by_device, device_header};
+use super::{Device, UNKNOWNS, by_device};
 use crate::commands::Error;
 use crate::commands::format::{count, three_digits};
 use crate::commands::paper::draw::{self, Curve, NOTHING, cell};
+use crate::commands::paper::factored::Factored;
 use crate::commands::paper::measured::{Measured, Row};
 use crate::commands::paper::timing::Timing;
 use crate::report::plot::Axis;
 
+/// A part of a remesh: phase, its figure, its title, and the same with the BLAS on all cores.
+type Part = (&'static str, &'static str, &'static str, fn(Factored) -> f64);
+
 /// Figure 6: ordering and symbolic analysis (a), numeric factorization (b).
 pub fn factor_section(measured: &Measured, folder: &Path) -> Result<String, Error> {
+    let all = measured.all_cores();
+    let blas = format!("BLAS on {all}");
     let mut text = "## Figure 6: analyze and factor, by device\n\n".to_owned();
-    text += "Analyze is METIS and the symbolic analysis, which CHOLMOD does on one core. Factor is \
-             CHOLMOD's supernodal factorization; its BLAS runs on one core, whatever the number of \
-             threads, because OpenBLAS gives other bits with two.\n\n";
-    for (phase, file, title) in [("analyze", "fig-6a", "Analyze"), ("factor", "fig-6b", "Factor")] {
-        let curves = by_device(measured, |t| t.per_remesh(phase));
+    text += &format!(
+        "Analyze is METIS and the symbolic analysis, which CHOLMOD does on one core. Factor is \
+         CHOLMOD's supernodal factorization. In our runs its BLAS has one core, whatever the \
+         number of threads, because OpenBLAS gives other bits with two; `{blas}` shows what that \
+         costs.\n\n"
+    );
+    let parts: [Part; 2] = [
+        ("analyze", "fig-6a", "Analyze", |f| f.analyze_s),
+        ("factor", "fig-6b", "Factor", |f| f.factor_s),
+    ];
+    for (phase, file, title, shared) in parts {
+        let mut curves = by_device(measured, |t| t.per_remesh(phase));
+        let points = measured.over_unknowns(move |row| row.factored.map(shared));
+        curves.push(Curve::new(&blas, points));
         let picture = draw::draw(title, "", Axis::log(UNKNOWNS), Axis::log("Time (s)"), &curves);
         text += &draw::save(folder, file, title, &picture)?;
+        let further = |row: &Row| cell(row.factored, |f| three_digits(shared(f)));
         text += &format!("{title} (s):\n\n");
-        text += &device_table(measured, |t| t.per_remesh(phase));
+        text +=
+            &device_table(measured, |t| three_digits(t.per_remesh(phase)), Some((&blas, &further)));
     }
     Ok(text)
 }
 
-/// A value by size and device, three digits each.
-pub fn device_table(measured: &Measured, value: impl Fn(&Timing) -> f64) -> String {
-    let header = device_header(measured);
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+/// A further column of a table by device: its title, and its cells.
+pub type Column<'a> = (&'a str, &'a dyn Fn(&Row) -> String);
+
+/// A value by size and device; the GPU's place is there even where no run has one.
+pub fn device_table(
+    measured: &Measured,
+    show: impl Fn(&Timing) -> String,
+    further: Option<Column>,
+) -> String {
     let devices = Device::all(measured);
+    let mut header = vec!["spheres".to_owned(), "unknowns".to_owned()];
+    header.extend(devices.iter().map(|device| device.name(measured)));
+    if measured.gpus().is_empty() {
+        header.push("GPU".to_owned());
+    }
+    let width = header.len();
+    header.extend(further.map(|(title, _)| title.to_owned()));
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let rows = measured.rows.iter().map(|row| {
         let mut cells = vec![row.name(), unknowns(row)];
-        cells.extend(
-            devices.iter().map(|d| cell(d.timing(row), |timing| three_digits(value(timing)))),
-        );
-        cells.resize(header.len(), NOTHING.to_owned());
+        cells.extend(devices.iter().map(|device| cell(device.timing(row), &show)));
+        cells.resize(width, NOTHING.to_owned());
+        cells.extend(further.map(|(_, of)| of(row)));
         cells
     });
     draw::table(&header, rows)

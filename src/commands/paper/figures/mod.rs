@@ -126,14 +126,3 @@ fn by_device(measured: &Measured, value: impl Fn(&Timing) -> f64 + Copy) -> Vec<
     };
     Device::all(measured).into_iter().map(curve).collect()
 }
-
-/// Titles of the columns of a table by device: the size, each device, the GPU's place.
-fn device_header(measured: &Measured) -> Vec<String> {
-    let size = ["spheres".to_owned(), "unknowns".to_owned()];
-    let mut header: Vec<String> = size.into_iter().collect();
-    header.extend(Device::all(measured).into_iter().map(|device| device.name(measured)));
-    if measured.gpus().is_empty() {
-        header.push("GPU".to_owned());
-    }
-    header
-}

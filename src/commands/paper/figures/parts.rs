@@ -5,6 +5,7 @@ use std::path::Path;
 use super::build::device_table;
 use super::{UNKNOWNS, by_device};
 use crate::commands::Error;
+use crate::commands::format::three_digits;
 use crate::commands::paper::draw;
 use crate::commands::paper::measured::Measured;
 use crate::commands::paper::timing::Timing;
@@ -24,7 +25,10 @@ pub fn section(measured: &Measured, folder: &Path) -> Result<String, Error> {
         let curves = by_device(measured, milliseconds);
         let picture = draw::draw(title, "", Axis::log(UNKNOWNS), Axis::log("Time (ms)"), &curves);
         text += &draw::save(folder, file, title, &picture)?;
-        text += &format!("{title} (ms):\n\n{}", device_table(measured, milliseconds));
+        text += &format!(
+            "{title} (ms):\n\n{}",
+            device_table(measured, |t| three_digits(milliseconds(t)), None)
+        );
     }
     Ok(text)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::build::{device_table, unknowns};
 use super::{UNKNOWNS, by_device};
 use crate::commands::Error;
-use crate::commands::format::{duration, three_digits};
+use crate::commands::format::{count, duration, three_digits};
 use crate::commands::paper::draw::{self, Curve, cell};
 use crate::commands::paper::measured::{Measured, Row};
 use crate::commands::paper::timing::{INTERVAL, Mode, STEPS, Timing};
@@ -101,51 +101,70 @@ pub fn interval(timing: &Timing) -> f64 {
 /// Figure 8: time per iteration, remesh interval of eq. 15, Cundall number.
 pub fn section(measured: &Measured, folder: &Path) -> Result<String, Error> {
     let mut text = "## Figure 8: speed\n\n".to_owned();
-    text += "An iteration is a step between two remeshes, as timed after one remesh on an \
-             otherwise idle machine. The remesh interval of eq. 15 is 2 t_bg v_iter, with t_bg the \
-             time of a remesh and v_iter the steps per second on the same device: a background \
-             that begins at half the interval is then ready at its end. The Cundall number is \
-             particles times steps per second.\n\n";
-    let accelerated = Curve::new(
-        "all but the GPU, remeshes included",
-        measured.over_unknowns(|row| Some(row.timing(Mode::Accelerated)?.wall_per_step())),
-    );
-    let mut curves = by_device(measured, Timing::step);
-    curves.push(accelerated);
-    text += &part(
+    text += "An iteration is a step between two remeshes, timed after one remesh. The remesh \
+             interval of eq. 15 is 2 t_bg v_iter, with t_bg the time of a remesh and v_iter the \
+             steps per second of the same runs: a background that begins at half the interval is \
+             then ready at its end, if both had the machine to themselves. The Cundall number is \
+             particles times steps per second. The last column is the run of Figure 5, all of its \
+             time over all of its steps.\n\n";
+    text += &Part { file: "fig-8a", title: "Time per iteration", unit: "Time (ms)" }.write(
         measured,
         folder,
-        ("fig-8a", "Time per iteration", "Time (s)"),
-        curves,
-        Timing::step,
+        |t| 1e3 * t.step(),
+        Some(|t| 1e3 * t.wall_per_step()),
     )?;
-    let curves = by_device(measured, interval);
-    let names = ("fig-8b", "Remesh interval of eq. 15", "Steps");
-    text += &part(measured, folder, names, curves, interval)?;
-    let cundall = |t: &Timing| t.number("particles") / t.step();
-    let accelerated = Curve::new(
-        "all but the GPU, remeshes included",
-        measured.over_unknowns(|row| {
-            let timing = row.timing(Mode::Accelerated)?;
-            Some(timing.number("particles") / timing.wall_per_step())
-        }),
-    );
-    let mut curves = by_device(measured, cundall);
-    curves.push(accelerated);
-    let names = ("fig-8c", "Cundall number", "Particles × steps per second (1/s)");
-    text += &part(measured, folder, names, curves, cundall)?;
+    text += &Part { file: "fig-8b", title: "Remesh interval of eq. 15", unit: "Steps" }
+        .write(measured, folder, interval, None)?;
+    text += &Part { file: "fig-8c", title: "Cundall number", unit: "Particle steps per second" }
+        .write(
+            measured,
+            folder,
+            |t| cundall(t, t.step()),
+            Some(|t| cundall(t, t.wall_per_step())),
+        )?;
     Ok(text)
 }
 
-fn part(
-    measured: &Measured,
-    folder: &Path,
-    (file, title, unit): (&str, &str, &str),
-    curves: Vec<Curve>,
-    value: impl Fn(&Timing) -> f64,
-) -> Result<String, Error> {
-    let picture = draw::draw(title, "", Axis::log(UNKNOWNS), Axis::log(unit), &curves);
-    let mut text = draw::save(folder, file, title, &picture)?;
-    text += &format!("{title}:\n\n{}", device_table(measured, value));
-    Ok(text)
+fn cundall(timing: &Timing, step: f64) -> f64 {
+    timing.number("particles") / step
+}
+
+/// A part of Figure 8.
+struct Part {
+    file: &'static str,
+    title: &'static str,
+    unit: &'static str,
+}
+
+impl Part {
+    /// Picture and table of a value by device, and of another of the accelerated run.
+    fn write(
+        &self,
+        measured: &Measured,
+        folder: &Path,
+        value: fn(&Timing) -> f64,
+        accelerated: Option<fn(&Timing) -> f64>,
+    ) -> Result<String, Error> {
+        let name = "all but the GPU, with remeshes";
+        let mut curves = by_device(measured, value);
+        if let Some(value) = accelerated {
+            let of = move |row: &Row| row.timing(Mode::Accelerated).map(value);
+            curves.push(Curve::new(name, measured.over_unknowns(of)));
+        }
+        let (x, y) = (Axis::log(UNKNOWNS), Axis::log(self.unit));
+        let picture = draw::draw(self.title, "", x, y, &curves);
+        let mut text = draw::save(folder, self.file, self.title, &picture)?;
+        let further = |row: &Row| {
+            cell(row.timing(Mode::Accelerated).zip(accelerated), |(t, value)| show(value(t)))
+        };
+        let further = accelerated.map(|_| (name, &further as &dyn Fn(&Row) -> String));
+        text += &format!("{} ({}):\n\n", self.title, self.unit.to_lowercase());
+        text += &device_table(measured, |t| show(value(t)), further);
+        Ok(text)
+    }
+}
+
+/// Three digits; thousands apart where there are more before the point.
+fn show(value: f64) -> String {
+    if value < 1e3 { three_digits(value) } else { count(value as u64) }
 }
