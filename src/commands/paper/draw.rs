@@ -52,7 +52,7 @@ pub fn draw(title: &str, caption: &str, x: Axis, y: Axis, curves: &[Curve]) -> P
 /// When it cannot be written.
 pub fn save(folder: &Path, name: &str, title: &str, picture: &Picture) -> Result<String, Error> {
     picture.save(&folder.join(FOLDER), name)?;
-    Ok(format!("![{title}]({FOLDER}/{name}.svg)\n\n"))
+    Ok(format!("![{title}]({FOLDER}/{name}.png)\n\n"))
 }
 
 /// A table in Markdown: the first column to the left, numbers to the right.

@@ -13,7 +13,7 @@ use super::timing::{self, Mode};
 use super::{built, factored};
 use crate::commands::Error;
 use crate::commands::bench::Bench;
-use crate::commands::format::duration;
+use crate::commands::format::{bytes, duration};
 
 /// A run without any acceleration is made where it takes no longer than this (s); else its
 /// total is composed.
@@ -89,10 +89,10 @@ impl Jobs {
         if composed {
             return Ok(());
         }
-        if machine.memory > 0.0 && need.memory > machine.memory {
-            let (need, have) = (need.memory * 1e-9, machine.memory * 1e-9);
+        if let Some(memory) = machine.memory.filter(|&memory| need.memory > memory) {
+            let (need, have) = (bytes(need.memory), bytes(memory));
             let point = job.point();
-            self.left_out.push(format!("{point} (needs about {need:.0} GB of {have:.0} GB)"));
+            self.left_out.push(format!("{point} (needs about {need} of {have})"));
         } else {
             self.list.push(Planned { job, need });
         }
@@ -223,11 +223,7 @@ mod tests {
     use super::*;
 
     fn all_jobs() -> Jobs {
-        Jobs::new(&Figure::ALL, &SPECIMENS, &machine()).unwrap()
-    }
-
-    fn machine() -> Machine {
-        Machine { processor: String::new(), memory: 24.0 * 1024.0_f64.powi(3), threads: 2 }
+        Jobs::new(&Figure::ALL, &SPECIMENS, &Machine::with(2, 24.0 * 1024.0_f64.powi(3))).unwrap()
     }
 
     /// 2 cores and 24 GiB are the machine that the series is made for.
@@ -259,7 +255,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_the_memory_is_left_out_and_named() {
-        let small = Machine { memory: 1e9, ..machine() };
+        let small = Machine::with(2, 1e9);
         let jobs = Jobs::new(&[Figure::Parts], &SPECIMENS, &small).unwrap();
         assert!(jobs.left_out.iter().any(|what| what.contains("run-343000-")));
         assert!(!jobs.left_out.iter().any(|what| what.contains("run-1000-")));

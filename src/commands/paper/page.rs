@@ -11,8 +11,7 @@ use super::machine::Machine;
 use super::measured::Measured;
 use super::timing::Mode;
 use super::{claims, raw};
-use crate::commands::Error;
-use crate::commands::doctor;
+use crate::commands::{Error, doctor, machine};
 
 /// Writes the page with its figures and the raw timings; returns where it is.
 ///
@@ -49,27 +48,27 @@ pub fn write(
 fn head(measured: &Measured, machine: &Machine) -> String {
     let versions = doctor::versions();
     let of = |name| versions.get(name).map_or("unknown", String::as_str);
-    let revisions = revisions(measured);
+    // Without the options that it was built with.
+    let blas = of("blas").split(" NO_").next().unwrap_or_default();
     format!(
         "# The paper's accelerations, measured\n\n\
-         This page and its figures are written by `dempfv paper`; `make paper` writes them anew. \
+         `dempfv paper` wrote this page and its figures on {}, and `make paper` writes them anew. \
          The figures have the numbers of Caulk, Catalano and Chareyre (2020). The specimens are \
-         cubes of spheres, settled at 1 kPa, with the paper's load, time step (1 µs), viscosity and \
-         drainage; the largest has as many unknown pressures as the paper's. The paper's numbers \
-         come from its own machines, so ratios compare and times do not.\n\n\
-         Measured on {} of {}, {} GB of memory. dempfv {} ({}), CHOLMOD {} (SuiteSparse {}), METIS \
-         {}, CGAL {}, {}, rustc {}. Times by the clock, of the fastest of three runs up to 40,000 spheres \
-         and of single runs above, on a machine whose speed drifts by tens of per cent.\n\n",
-        measured.all_cores(),
-        machine.processor,
-        (machine.memory * 1e-9).round(),
+         cubes of spheres that have settled at 1 kPa, with the paper's load, time step (1 µs), \
+         viscosity and drainage; the largest has as many unknown pressures as the paper's. The \
+         paper's times are those of its own machines, so ratios compare and times do not.\n\n\
+         Measured on {machine}. Machine: {}. dempfv {} ({}), CHOLMOD {} (SuiteSparse {}), METIS \
+         {}, CGAL {}, {blas}, rustc {}. Times by the clock, of the fastest of three runs up to \
+         40,000 spheres and of single runs above, on a machine whose speed drifts by tens of per \
+         cent.\n\n",
+        machine::today(),
+        machine::description(),
         of("dempfv"),
-        revisions,
+        revisions(measured),
         of("cholmod"),
         of("suitesparse"),
         of("metis"),
         of("cgal"),
-        of("blas"),
         of("rustc"),
     )
 }
