@@ -67,15 +67,15 @@ impl Jobs {
             }
         }
         for &specimen in specimens {
-            if figures.contains(&Figure::Build) {
+            if figures.contains(&Figure::Build) && specimen.is_cube() {
                 for threads in [1, machine.threads].into_iter().take(machine.threads) {
                     jobs.add(Job::Built { specimen, threads }, machine)?;
                 }
             }
-            if figures.contains(&Figure::Factor) && machine.threads > 1 {
+            if figures.contains(&Figure::Factor) && specimen.is_cube() && machine.threads > 1 {
                 jobs.add(Job::Factored(specimen), machine)?;
             }
-            let needed = |mode: &Mode| figures.iter().any(|f| f.modes().contains(mode));
+            let needed = |mode: &Mode| figures.iter().any(|f| f.modes(&specimen).contains(mode));
             for mode in Mode::ALL.into_iter().filter(needed) {
                 jobs.add(Job::Run { specimen, mode }, machine)?;
             }
@@ -202,7 +202,7 @@ fn expected(specimen: &Specimen, mode: Mode) -> Result<Expected, Error> {
     let remesh = e.remesh.unwrap_or(0.0);
     // The estimate has the remeshes' share of a step in it, but for those in the background.
     let share = match mode {
-        Mode::Accelerated => 0.0,
+        _ if mode.is_in_background() => 0.0,
         _ => remesh / mode.interval(specimen) as f64,
     };
     Ok(Expected { step: e.coupled_step.unwrap_or(0.0) - share, remesh, memory: e.memory })

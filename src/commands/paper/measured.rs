@@ -32,8 +32,10 @@ pub struct Row {
 pub struct Measured {
     /// Number of all cores.
     pub threads: usize,
-    /// By specimen, small ones first.
+    /// The cubes, small ones first.
     pub rows: Vec<Row>,
+    /// The specimen that is none.
+    pub alone: Vec<Row>,
     /// Figure 2.
     pub remesh: Option<Remesh>,
 }
@@ -45,8 +47,9 @@ impl Measured {
     /// A file of a run with a GPU is none.
     pub fn collect(bench: &Bench, threads: usize) -> Result<Measured, Error> {
         let rows = SPECIMENS.iter().map(|specimen| Row::collect(bench, specimen, threads));
-        let rows = rows.collect::<Result<_, _>>()?;
-        Ok(Measured { threads, rows, remesh: remesh::known(bench, threads)? })
+        let rows: Vec<Row> = rows.collect::<Result<_, _>>()?;
+        let (rows, alone) = rows.into_iter().partition(|row| row.specimen.is_cube());
+        Ok(Measured { threads, rows, alone, remesh: remesh::known(bench, threads)? })
     }
 
     /// Points of a curve over the number of unknowns.
@@ -60,6 +63,11 @@ impl Measured {
     /// The largest specimen for which something is known.
     pub fn largest<T>(&self, value: impl Fn(&Row) -> Option<T>) -> Option<(&Row, T)> {
         self.rows.iter().rev().find_map(|row| Some((row, value(row)?)))
+    }
+
+    /// What is known of the specimen with so many spheres.
+    pub fn row(&self, spheres: u32) -> Option<&Row> {
+        self.rows.iter().chain(&self.alone).find(|row| row.specimen.spheres == spheres)
     }
 
     /// Names of the GPUs that there are runs of.

@@ -9,20 +9,20 @@ pub fn csv(measured: &Measured) -> String {
                     network_s,analyze_s,factor_s,solve_s,volumes_s,forces_s,contacts_s,integration_s,\
                     step_s,wall_s,peak_memory_bytes,state_hash,git\n"
         .to_owned();
-    for row in &measured.rows {
+    for row in measured.rows.iter().chain(&measured.alone) {
         for mode in Mode::ALL {
             if let Some(timing) = row.timing(mode) {
-                text += &line(row, "cpu", mode.name(), timing);
+                text += &line(row, "cpu", mode.name(), mode.is_in_background(), timing);
             }
         }
         for (device, timing) in &row.gpu {
-            text += &line(row, device, "gpu", timing);
+            text += &line(row, device, "gpu", false, timing);
         }
     }
     text
 }
 
-fn line(row: &Row, device: &str, mode: &str, timing: &Timing) -> String {
+fn line(row: &Row, device: &str, mode: &str, in_background: bool, timing: &Timing) -> String {
     let built = row.built[usize::from(timing.number("threads") > 1.0)];
     let whole = |key| format!("{:.0}", timing.number(key));
     let seconds = |t: f64| if t.is_finite() { format!("{t:.6e}") } else { String::new() };
@@ -35,8 +35,7 @@ fn line(row: &Row, device: &str, mode: &str, timing: &Timing) -> String {
     cells.extend(["network", "analyze", "factor"].map(|p| seconds(timing.per_remesh(p))));
     cells.extend([solve, volumes, forces, contacts, integration]);
     // Remeshes in the background have no part in the time of a step.
-    let step =
-        if mode == Mode::Accelerated.name() { timing.wall_per_step() } else { timing.step() };
+    let step = if in_background { timing.wall_per_step() } else { timing.step() };
     cells.push(seconds(step));
     cells.push(seconds(timing.number("wall_s")));
     cells.push(whole("peak_memory_bytes"));

@@ -12,36 +12,39 @@ use crate::commands::bench::Bench;
 /// Stress that all of them have settled at (Pa).
 pub const STRESS: f64 = 1e3;
 
-/// A cube of spheres: a packing that the project ships, or copies of one side by side,
-/// settled again.
+/// A packing that the project ships, or copies of one side by side, settled again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specimen {
     /// Number of spheres.
     pub spheres: u32,
     /// The packing that it consists of.
     base: &'static str,
-    /// Copies of it along each axis.
-    copies: u32,
+    /// Copies of it along x, y and z.
+    copies: [u32; 3],
     /// Steps that are timed after a remesh.
     pub steps: u64,
     /// Times that they are timed.
     pub repeats: usize,
 }
 
-/// Every specimen, small ones first.
-pub const SPECIMENS: [Specimen; 6] = [
-    specimen(1_000, "oedometer-1000.txt", 1, 600, 3),
-    specimen(5_000, "oedometer-5000.txt", 1, 300, 3),
-    specimen(20_000, "oedometer-20000.txt", 1, 120, 3),
-    specimen(40_000, "oedometer-5000.txt", 2, 80, 3),
-    specimen(160_000, "oedometer-20000.txt", 2, 40, 1),
-    specimen(343_000, "oedometer-1000.txt", 7, 25, 1),
+/// Every specimen, small ones first: cubes, and one for [`ALONE`].
+pub const SPECIMENS: [Specimen; 7] = [
+    specimen(1_000, "oedometer-1000.txt", [1, 1, 1], 600, 3),
+    specimen(5_000, "oedometer-5000.txt", [1, 1, 1], 300, 3),
+    specimen(20_000, "oedometer-20000.txt", [1, 1, 1], 120, 3),
+    specimen(30_000, "oedometer-5000.txt", [1, 2, 3], 100, 3),
+    specimen(40_000, "oedometer-5000.txt", [2, 2, 2], 80, 3),
+    specimen(160_000, "oedometer-20000.txt", [2, 2, 2], 40, 1),
+    specimen(343_000, "oedometer-1000.txt", [7, 7, 7], 25, 1),
 ];
+
+/// Numbers of spheres that each acceleration is measured on its own with.
+pub const ALONE: [u32; 2] = [5_000, 30_000];
 
 const fn specimen(
     spheres: u32,
     base: &'static str,
-    copies: u32,
+    copies: [u32; 3],
     steps: u64,
     repeats: usize,
 ) -> Specimen {
@@ -64,11 +67,16 @@ pub fn chosen(sizes: &[u32]) -> Result<Vec<Specimen>, InputError> {
 }
 
 impl Specimen {
+    /// True for a cube, as the paper's are.
+    pub fn is_cube(&self) -> bool {
+        self.copies[0] == self.copies[1] && self.copies[1] == self.copies[2]
+    }
+
     /// What it is made of.
     pub fn origin(&self) -> String {
         match self.copies {
-            1 => self.base.to_owned(),
-            n => format!("{n} × {n} × {n} copies of {}", self.base),
+            [1, 1, 1] => self.base.to_owned(),
+            [x, y, z] => format!("{x} × {y} × {z} copies of {}", self.base),
         }
     }
 
@@ -87,7 +95,7 @@ impl Specimen {
     /// The packings are not there, or the copies do not settle.
     pub fn packing(&self, bench: &Bench) -> Result<PathBuf, Error> {
         let base = self.base()?;
-        if self.copies == 1 {
+        if self.copies == [1; 3] {
             return Ok(base);
         }
         let folder = bench.folder.join("packings").join(self.spheres.to_string());
@@ -95,9 +103,9 @@ impl Specimen {
         // It is put in its place when it is complete.
         if !file.is_file() {
             let step = format!("settle-{}", self.spheres);
-            let copies = self.copies.to_string();
+            let copies = self.copies.map(|n| n.to_string());
             let mut command = Command::new(bench.program(&step)?);
-            command.args(["pack", "--tile", &copies, &copies, &copies]).arg(&base);
+            command.args(["pack", "--tile"]).args(copies).arg(&base);
             command.args(["--stress", &STRESS.to_string(), "--out"]).arg(&folder);
             bench.run_logged(&step, "dempfv", &mut command)?;
         }
@@ -125,9 +133,11 @@ mod tests {
         for s in SPECIMENS {
             let digits: String = s.base.chars().filter(char::is_ascii_digit).collect();
             let base: u32 = digits.parse().unwrap();
-            assert_eq!(s.spheres, base * s.copies.pow(3), "{}", s.origin());
+            assert_eq!(s.spheres, base * s.copies.iter().product::<u32>(), "{}", s.origin());
         }
         assert!(SPECIMENS.is_sorted_by_key(|s| s.spheres));
+        assert!(SPECIMENS.iter().filter(|s| s.is_cube()).count() >= 6);
+        assert_eq!(chosen(&ALONE).unwrap().len(), ALONE.len());
     }
 
     #[test]

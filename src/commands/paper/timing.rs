@@ -31,32 +31,44 @@ pub enum Mode {
     Tasks,
     /// One core, a remesh at every step: the paper's steps with none of its accelerations.
     Plain,
+    /// One core, the paper's steps with a factor that serves from one remesh to the next.
+    Reuse,
+    /// As `Reuse`, on all cores, the next factor made in the background.
+    Background,
     /// The paper's steps with all of its accelerations but the GPU.
     Accelerated,
 }
 
 impl Mode {
     /// Every mode.
-    pub const ALL: [Mode; 5] =
-        [Mode::OneCore, Mode::AllCores, Mode::Tasks, Mode::Plain, Mode::Accelerated];
+    pub const ALL: [Mode; 7] = [
+        Mode::OneCore,
+        Mode::AllCores,
+        Mode::Tasks,
+        Mode::Plain,
+        Mode::Reuse,
+        Mode::Background,
+        Mode::Accelerated,
+    ];
 
     /// Its name in files.
     pub const fn name(self) -> &'static str {
-        ["one-core", "all-cores", "tasks", "plain", "accelerated"][self as usize]
+        ["one-core", "all-cores", "tasks", "plain", "reuse", "background", "accelerated"]
+            [self as usize]
     }
 
     /// Threads that it runs on where there are `all`.
     pub const fn threads(self, all: usize) -> usize {
         match self {
-            Mode::OneCore | Mode::Plain => 1,
-            Mode::AllCores | Mode::Tasks | Mode::Accelerated => all,
+            Mode::OneCore | Mode::Plain | Mode::Reuse => 1,
+            Mode::AllCores | Mode::Tasks | Mode::Background | Mode::Accelerated => all,
         }
     }
 
     /// Steps of a specimen's run.
     pub const fn steps(self, specimen: &Specimen) -> u64 {
         match self {
-            Mode::Plain | Mode::Accelerated => STEPS,
+            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated => STEPS,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
         }
     }
@@ -65,15 +77,20 @@ impl Mode {
     pub const fn interval(self, specimen: &Specimen) -> u64 {
         match self {
             Mode::Plain => 1,
-            Mode::Accelerated => INTERVAL,
+            Mode::Reuse | Mode::Background | Mode::Accelerated => INTERVAL,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
         }
+    }
+
+    /// True where remeshes do not stop the time loop.
+    pub const fn is_in_background(self) -> bool {
+        matches!(self, Mode::Background | Mode::Accelerated)
     }
 
     /// Runs of which the fastest counts.
     pub const fn repeats(self, specimen: &Specimen) -> usize {
         match self {
-            Mode::Plain | Mode::Accelerated => 1,
+            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated => 1,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.repeats,
         }
     }
@@ -81,8 +98,9 @@ impl Mode {
     /// Further keys of the scene's `[fluid]`.
     const fn keys(self) -> &'static str {
         match self {
-            Mode::OneCore | Mode::AllCores | Mode::Plain => "",
+            Mode::OneCore | Mode::AllCores | Mode::Plain | Mode::Reuse => "",
             Mode::Tasks => "parallel_tasks = true",
+            Mode::Background => "remesh = \"background\"",
             Mode::Accelerated => "remesh = \"background\"\nparallel_tasks = true",
         }
     }

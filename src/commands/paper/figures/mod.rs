@@ -1,5 +1,6 @@
 //! The figures: what each needs, and its section of the page.
 
+mod alone;
 mod build;
 mod gain;
 mod parts;
@@ -9,6 +10,7 @@ mod speed;
 use std::path::Path;
 
 use super::measured::{Measured, Row};
+use super::specimens::{ALONE, Specimen};
 use super::timing::{Mode, Timing};
 use crate::commands::Error;
 use crate::commands::paper::draw::Curve;
@@ -54,14 +56,17 @@ impl Figure {
         Figure::Parts,
     ];
 
-    /// The runs of each specimen that it needs.
-    pub const fn modes(self) -> &'static [Mode] {
+    /// The runs of a specimen that it needs.
+    pub fn modes(self, specimen: &Specimen) -> Vec<Mode> {
+        let alone = ALONE.contains(&specimen.spheres);
         match self {
-            Figure::Remesh | Figure::Build => &[],
-            Figure::Acceleration => &[Mode::OneCore, Mode::Plain, Mode::Accelerated],
-            Figure::Factor | Figure::Parts => &[Mode::OneCore, Mode::AllCores],
-            Figure::Speed => &[Mode::OneCore, Mode::AllCores, Mode::Accelerated],
-            Figure::Gain => &[Mode::AllCores, Mode::Tasks],
+            Figure::Acceleration if alone => Mode::ALL.to_vec(),
+            _ if !specimen.is_cube() => vec![],
+            Figure::Remesh | Figure::Build => vec![],
+            Figure::Acceleration => vec![Mode::OneCore, Mode::Plain, Mode::Accelerated],
+            Figure::Factor | Figure::Parts => vec![Mode::OneCore, Mode::AllCores],
+            Figure::Speed => vec![Mode::OneCore, Mode::AllCores, Mode::Accelerated],
+            Figure::Gain => vec![Mode::AllCores, Mode::Tasks],
         }
     }
 
@@ -72,7 +77,9 @@ impl Figure {
     pub fn section(self, measured: &Measured, folder: &Path) -> Result<String, Error> {
         match self {
             Figure::Remesh => remesh::section(measured, folder),
-            Figure::Acceleration => speed::acceleration_section(measured, folder),
+            Figure::Acceleration => {
+                Ok(speed::acceleration_section(measured, folder)? + &alone::section(measured))
+            }
             Figure::Factor => build::factor_section(measured, folder),
             Figure::Build => build::build_section(measured, folder),
             Figure::Speed => speed::section(measured, folder),
