@@ -1,6 +1,7 @@
 //! Each acceleration on its own.
 
-use crate::commands::format::{duration, three_digits};
+use super::speed::show;
+use crate::commands::format::three_digits;
 use crate::commands::paper::draw::{self, cell};
 use crate::commands::paper::measured::{Measured, Row};
 use crate::commands::paper::specimens::ALONE;
@@ -25,14 +26,14 @@ pub fn section(measured: &Measured) -> String {
     let specimens: Vec<&Row> = ALONE.iter().filter_map(|&spheres| measured.row(spheres)).collect();
     let mut header = vec![format!("{STEPS} steps")];
     for row in &specimens {
-        header.extend([format!("{} spheres", row.name()), "faster by".to_owned()]);
+        header.extend([format!("{} spheres (s)", row.name()), "faster by".to_owned()]);
     }
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let none = rows[0].1;
     let rows = rows.iter().map(|(name, total)| {
         let cells = specimens.iter().flat_map(|row| {
             let gain = none(row).zip(total(row)).map(|(none, total)| none / total);
-            [cell(total(row), duration), cell(gain, three_digits)]
+            [cell(total(row), show), cell(gain, three_digits)]
         });
         [name.clone()].into_iter().chain(cells).collect()
     });

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::build::{device_table, unknowns};
 use super::{UNKNOWNS, by_device};
 use crate::commands::Error;
-use crate::commands::format::{count, duration, three_digits};
+use crate::commands::format::{bytes, count, three_digits};
 use crate::commands::paper::draw::{self, Curve, cell};
 use crate::commands::paper::measured::{Measured, Row};
 use crate::commands::paper::timing::{INTERVAL, Mode, STEPS, Timing};
@@ -70,21 +70,19 @@ pub fn acceleration_section(measured: &Measured, folder: &Path) -> Result<String
         vec![
             row.name(),
             unknowns(row),
-            cell(composed(row), duration),
-            cell(row.timing(Mode::Plain), |t| duration(t.number("wall_s"))),
-            cell(row.timing(Mode::Accelerated), |t| duration(t.number("wall_s"))),
+            cell(composed(row), show),
+            cell(row.timing(Mode::Plain), |t| show(t.number("wall_s"))),
+            cell(row.timing(Mode::Accelerated), |t| show(t.number("wall_s"))),
             cell(a, |a| three_digits(a.factor())),
-            cell(row.timing(Mode::Accelerated), |t| {
-                format!("{:.1} GB", t.number("peak_memory_bytes") * 1e-9)
-            }),
+            cell(row.timing(Mode::Accelerated), |t| bytes(t.number("peak_memory_bytes"))),
         ]
     });
     let header = [
         "spheres",
         "unknowns",
-        "none, composed",
-        "none, measured",
-        "all but the GPU",
+        "none, composed (s)",
+        "none, measured (s)",
+        "all but the GPU (s)",
         "faster by",
         "its peak memory",
     ];
@@ -165,6 +163,6 @@ impl Part {
 }
 
 /// Three digits; thousands apart where there are more before the point.
-fn show(value: f64) -> String {
+pub fn show(value: f64) -> String {
     if value < 1e3 { three_digits(value) } else { count(value as u64) }
 }
