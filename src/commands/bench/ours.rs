@@ -1,5 +1,6 @@
 //! Runs our own program as a user would, in a process of its own.
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use serde_json::Value;

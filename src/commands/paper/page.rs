@@ -9,9 +9,12 @@ use super::draw::FOLDER;
 use super::figures::Figure;
 use super::machine::Machine;
 use super::measured::Measured;
-use super::timing::Mode;
+use super::timing::{self, Mode};
 use super::{claims, raw};
 use crate::commands::{Error, doctor, machine};
+
+/// Cores that other programs may keep busy for times to count as undisturbed.
+const DISTURBED: f64 = 0.2;
 
 /// Writes the page with its figures and the raw timings; returns where it is.
 ///
@@ -27,6 +30,7 @@ pub fn write(
     let figures = folder.join(FOLDER);
     std::fs::create_dir_all(&figures).map_err(|e| dempfv::Error::io(&figures, e))?;
     let mut text = head(measured, machine);
+    text += &disturbed(measured);
     text += &claims::section(measured);
     for figure in Figure::ALL {
         text += &figure.section(measured, folder)?;
@@ -71,6 +75,27 @@ fn head(measured: &Measured, machine: &Machine) -> String {
         of("cgal"),
         of("rustc"),
     )
+}
+
+/// Says which runs had to share the machine.
+fn disturbed(measured: &Measured) -> String {
+    let runs = measured.rows.iter().chain(&measured.alone).flat_map(|row| {
+        let busy = |mode| row.timing(mode).and_then(|t| t.busy_cores());
+        Mode::ALL.map(|mode| Some((timing::name(&row.specimen, mode), busy(mode)?)))
+    });
+    let shared: Vec<String> = runs
+        .flatten()
+        .filter(|(_, busy)| *busy > DISTURBED)
+        .map(|(name, busy)| format!("{name} ({busy:.1})"))
+        .collect();
+    match shared.is_empty() {
+        true => String::new(),
+        false => format!(
+            "**Not at rest:** other programs kept cores busy just before these runs, whose times \
+             are too long: {}.\n\n",
+            shared.join(", ")
+        ),
+    }
 }
 
 /// Revisions of this program that the measurements were made with.

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::specimens::{STRESS, Specimen};
-use crate::commands::Error;
 use crate::commands::bench::Bench;
+use crate::commands::{Error, machine};
 
 /// Steps of the paper's runs, and from one remesh to the next.
 pub const STEPS: u64 = 600;
@@ -19,6 +20,11 @@ pub const INTERVAL: u64 = 200;
 pub const REMESH: [&str; 3] = ["network", "analyze", "factor"];
 /// Phases of a step.
 pub const STEP: [&str; 5] = ["contacts", "integration", "volume_rates", "solve", "fluid_forces"];
+
+/// How long to look at what other programs do, before a run.
+const LOOK: Duration = Duration::from_secs(1);
+/// Key of it, beside those of the summary.
+const BUSY: &str = "cores_busy_with_other_programs";
 
 /// How a specimen is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -125,6 +131,7 @@ pub fn measure(
     let (name, input) = point(specimen, mode, threads);
     bench.remembered(&name, &input, || {
         let scene = scene(&packing, specimen, mode);
+        let busy = machine::busy_cores(LOOK);
         let run = || bench.ours(&name, &scene, threads).map(|run| Timing(run.summary));
         let mut fastest = run()?;
         for _ in 1..mode.repeats(specimen) {
@@ -133,6 +140,7 @@ pub fn measure(
                 fastest = again;
             }
         }
+        fastest.0[BUSY] = busy.into();
         Ok(fastest)
     })
 }
@@ -189,6 +197,11 @@ impl Timing {
     /// A text of the summary; empty if it is not there.
     pub fn text(&self, key: &str) -> &str {
         self.0[key].as_str().unwrap_or_default()
+    }
+
+    /// Cores that other programs kept busy just before, where the system told.
+    pub fn busy_cores(&self) -> Option<f64> {
+        self.0[BUSY].as_f64()
     }
 
     /// Versions of the program and of its libraries when it was measured.
