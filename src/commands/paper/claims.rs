@@ -67,8 +67,8 @@ fn tasks(measured: &Measured) -> Claim {
             unknowns(row.unknowns())
         )
     });
-    let why = "Our contacts take a smaller share of a step than the paper's, and use every core \
-               already: there is less to hide behind the solve.";
+    let why = "Our contacts take a smaller share of a step than YADE's, and use every core \
+               already: there is little to hide behind the solve (Figure 9: at most).";
     Claim { theirs: "Parallel tasks: 1.2x, or 30 %", ours, why: why.to_owned() }
 }
 

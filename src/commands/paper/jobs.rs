@@ -174,7 +174,12 @@ impl Job {
                 let (steps, interval) = (mode.steps(&specimen), mode.interval(&specimen));
                 let remeshes = steps.div_ceil(interval) as f64;
                 let once = steps as f64 * e.step + remeshes * e.remesh;
-                let time = mode.repeats(&specimen) as f64 * once;
+                let runs = match (mode, mode.repeats(&specimen)) {
+                    // By turns with those that have none.
+                    (Mode::Tasks, n) => 2 * n - 1,
+                    (_, n) => n,
+                };
+                let time = runs as f64 * once;
                 Ok(Need { time, memory: e.memory })
             }
         }

@@ -26,6 +26,10 @@ const LOOK: Duration = Duration::from_secs(1);
 /// Key of it, beside those of the summary.
 const BUSY: &str = "cores_busy_with_other_programs";
 
+/// Key of the time of a step without parallel tasks, of runs by turns with those that have
+/// them (s): a machine's speed drifts by more than they gain.
+const IN_TURN: &str = "step_without_tasks_s";
+
 /// How a specimen is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Mode {
@@ -130,17 +134,26 @@ pub fn measure(
     let packing = specimen.packing(bench)?;
     let (name, input) = point(specimen, mode, threads);
     bench.remembered(&name, &input, || {
-        let scene = scene(&packing, specimen, mode);
         let busy = machine::busy_cores(LOOK);
-        let run = || bench.ours(&name, &scene, threads).map(|run| Timing(run.summary));
-        let mut fastest = run()?;
+        let run = |mode: Mode| {
+            let scene = scene(&packing, specimen, mode);
+            bench.ours(&self::name(specimen, mode), &scene, threads).map(|run| Timing(run.summary))
+        };
+        let mut fastest = run(mode)?;
+        let mut in_turn = f64::INFINITY;
         for _ in 1..mode.repeats(specimen) {
-            let again = run()?;
+            if mode == Mode::Tasks {
+                in_turn = in_turn.min(run(Mode::AllCores)?.step());
+            }
+            let again = run(mode)?;
             if again.step() < fastest.step() {
                 fastest = again;
             }
         }
         fastest.0[BUSY] = busy.into();
+        if in_turn.is_finite() {
+            fastest.0[IN_TURN] = in_turn.into();
+        }
         Ok(fastest)
     })
 }
@@ -202,6 +215,11 @@ impl Timing {
     /// Cores that other programs kept busy just before, where the system told.
     pub fn busy_cores(&self) -> Option<f64> {
         self.0[BUSY].as_f64()
+    }
+
+    /// Time of a step without parallel tasks, measured by turns with this one (s).
+    pub fn step_without_tasks(&self) -> Option<f64> {
+        self.0[IN_TURN].as_f64()
     }
 
     /// Versions of the program and of its libraries when it was measured.
