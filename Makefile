@@ -19,10 +19,11 @@ UNDER_VALGRIND = cargo test --locked --config 'target."cfg(unix)".runner = $(VAL
 
 DEMO := out/oedometer
 COMPARISON := out/compare-yade
+PAPER := out/paper
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
-	compare-yade yade-test bench install-packages install-test-packages install-yade \
+	compare-yade yade-test paper bench install-packages install-test-packages install-yade \
 	install-memcheck-packages
 
 help: ## List these commands
@@ -80,6 +81,14 @@ racecheck: install-packages ## Look for data races in the hand-over to the backg
 	RUSTFLAGS="-Zsanitizer=thread" TSAN_OPTIONS="halt_on_error=1" CARGO_TARGET_DIR=target/races \
 		cargo +nightly test -Zbuild-std --target $(shell rustc -vV | sed -n 's/host: //p') --locked -p dempfv \
 		--test coupling_background --test coupling_failures --test coupling_endurance
+
+paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md (an hour, goes on where it stopped)
+	$(DEMPFV) paper --out $(PAPER)
+	mkdir -p docs/paper
+	rm -f docs/paper/*.png docs/paper/*.csv
+	cp $(PAPER)/paper/*.png $(PAPER)/paper/*.csv docs/paper/
+	cp $(PAPER)/paper.md docs/paper.md
+	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
 
 bench: install-packages ## Time a step, a network, a solve, by criterion
 	cargo bench --workspace --locked

@@ -8,21 +8,14 @@ use super::format::bytes;
 /// Processor, cores, memory and kernel, in words; what the system does not tell is left
 /// out.
 pub fn description() -> String {
-    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
-    let after = |text: &str, key: &str| {
-        let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
-        Some(rest.trim_start_matches([' ', '\t', ':']).trim().to_owned())
-    };
     let cores = std::thread::available_parallelism().ok();
-    let memory = after(&read("/proc/meminfo"), "MemTotal");
-    let memory = memory.and_then(|m| m.strip_suffix("kB")?.trim().parse::<f64>().ok());
     // The version, without what its builder has added.
     let kernel = read("/proc/sys/kernel/osrelease");
     let kernel = kernel.split(|c: char| !c.is_ascii_digit() && c != '.').next().unwrap_or("");
     [
-        after(&read("/proc/cpuinfo"), "model name"),
+        processor(),
         cores.map(|n| if n.get() == 1 { "1 core".to_owned() } else { format!("{n} cores") }),
-        memory.map(|kib| format!("{} of memory", bytes(1024.0 * kib))),
+        memory().map(|size| format!("{} of memory", bytes(size))),
         after(&read("/etc/os-release"), "PRETTY_NAME=").map(|name| name.replace('"', "")),
         Some(format!("Linux {kernel}")).filter(|_| !kernel.is_empty()),
     ]
@@ -57,6 +50,27 @@ fn busy_share(stat: &str) -> Option<[f64; 2]> {
         .collect();
     let all: f64 = ticks.iter().sum();
     Some([all - ticks.get(3)? - ticks.get(4)?, all])
+}
+
+/// The processor, as the system calls it.
+pub fn processor() -> Option<String> {
+    after(&read("/proc/cpuinfo"), "model name")
+}
+
+/// Size of the memory (bytes).
+pub fn memory() -> Option<f64> {
+    let size = after(&read("/proc/meminfo"), "MemTotal")?;
+    Some(1024.0 * size.strip_suffix("kB")?.trim().parse::<f64>().ok()?)
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(path).unwrap_or_default()
+}
+
+/// What stands behind a key, on the first line that begins with it.
+fn after(text: &str, key: &str) -> Option<String> {
+    let rest = text.lines().find_map(|line| line.strip_prefix(key))?;
+    Some(rest.trim_start_matches([' ', '\t', ':']).trim().to_owned())
 }
 
 /// Today in UTC, as in 2026-11-22.

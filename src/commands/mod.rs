@@ -17,6 +17,7 @@ mod machine;
 pub mod network;
 pub mod output;
 pub mod pack;
+pub mod paper;
 pub mod permeability;
 pub mod run;
 pub mod solve;
@@ -57,6 +58,8 @@ pub enum Command {
     Solve(solve::Args),
     /// Compare with another program on the same input, side by side in one run
     Compare(compare::Args),
+    /// The figures of Caulk et al. (2020), measured on this machine
+    Paper(paper::Args),
     /// Show library versions, cores, memory and GPU, and what to install
     Doctor(doctor::Args),
 }
@@ -91,6 +94,7 @@ pub fn execute(command: Command, context: &Context) -> Result<ExitCode, Error> {
             context.deliver(&report)?;
             report.judge()?;
         }
+        Command::Paper(args) => context.deliver(&paper::run(&args, context)?)?,
         Command::Doctor(args) => context.deliver(&doctor::run(&args)?)?,
     }
     Ok(status)

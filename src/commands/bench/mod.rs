@@ -41,11 +41,27 @@ impl<P> Bench<P> {
     /// # Errors
     /// When the system refuses.
     pub fn new(folder: PathBuf, peer: P, versions: &str) -> Result<Bench<P>, Error> {
+        let key = format!("{versions}, {:?}", doctor::versions());
+        Bench::with_key(folder, peer, key)
+    }
+
+    /// As [`new`](Bench::new), for measurements of hours: they outlast changes of this
+    /// program, and each has to say with which revision it was made. `machine`: what they
+    /// depend on beside the libraries.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn lasting(folder: PathBuf, peer: P, machine: &str) -> Result<Bench<P>, Error> {
+        let mut versions = doctor::versions();
+        versions.remove("git");
+        Bench::with_key(folder, peer, format!("{machine}, {versions:?}"))
+    }
+
+    fn with_key(folder: PathBuf, peer: P, key: String) -> Result<Bench<P>, Error> {
         for name in FOLDERS {
             let path = folder.join(name);
             std::fs::create_dir_all(&path).map_err(|e| dempfv::Error::io(&path, e))?;
         }
-        let key = format!("{versions}, {:?}", doctor::versions());
         Ok(Bench { folder, peer, key })
     }
 

@@ -1,5 +1,6 @@
 //! Runs our own program as a user would, in a process of its own.
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use serde_json::Value;
@@ -38,6 +39,17 @@ impl History {
 }
 
 impl<P> Bench<P> {
+    /// Our own program, for a process of its own.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when the system does not tell where it is.
+    pub fn program(&self, step: &str) -> Result<PathBuf, Error> {
+        std::env::current_exe().map_err(|e| {
+            let what = format!("this program is not to be found: {e}");
+            Error::Peer { step: step.to_owned(), what, log: None }
+        })
+    }
+
     /// Carries out a scene with our own program; `summary.json` and `history.csv` stay in
     /// `runs/STEP`.
     ///
@@ -47,9 +59,7 @@ impl<P> Bench<P> {
         let scene = self.write(&format!("scenes/{step}.toml"), scene)?;
         let folder = self.folder.join("runs").join(step);
         let wrong = |what: String, log| Error::Peer { step: step.to_owned(), what, log };
-        let program = std::env::current_exe()
-            .map_err(|e| wrong(format!("this program is not to be found: {e}"), None))?;
-        let mut command = Command::new(program);
+        let mut command = Command::new(self.program(step)?);
         command.arg("run").arg(&scene).arg("--out").arg(&folder).arg("--force");
         command.args(["--threads", &threads.to_string()]);
         let log = self.run_logged(&format!("{step}-dempfv"), "dempfv", &mut command)?;
