@@ -17,7 +17,7 @@ use crate::commands::format::{bytes, duration};
 
 /// A run without any acceleration is made where it takes no longer than this (s); else its
 /// total is composed.
-const AFFORDABLE: f64 = 60.0;
+const AFFORDABLE: f64 = 300.0;
 
 /// One point of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,7 +255,7 @@ mod tests {
         assert!(spheres.is_sorted());
         let plain = |p: &&Planned| matches!(p.job, Job::Run { mode: Mode::Plain, .. });
         assert!(jobs.list.iter().filter(plain).all(|p| p.need.time <= AFFORDABLE));
-        assert_eq!(jobs.list.iter().filter(plain).count(), 1, "1,000 spheres alone are quick");
+        assert_eq!(jobs.list.iter().filter(plain).count(), 2, "1,000 and 5,000 spheres are quick");
     }
 
     #[test]
