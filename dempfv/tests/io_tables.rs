@@ -139,6 +139,18 @@ fn a_file_appears_whole_or_not_at_all() {
     assert_eq!(names(&folder), ["dir", "file.txt"]);
 }
 
+/// `--json /dev/null` must leave a device behind and no file (as root it could).
+/// Through a link: a test that fails replaces that and nothing of the system's.
+#[test]
+fn a_device_stays_a_device() {
+    let folder = folder("device");
+    let link = folder.join("nothing");
+    std::os::unix::fs::symlink("/dev/null", &link).unwrap();
+    atomic::write(&link, b"gone").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(names(&folder), ["nothing"]);
+}
+
 #[test]
 fn history_rows_read_back_exactly_and_in_full() {
     let path = folder("history").join("history.csv");

@@ -9,7 +9,8 @@ use crate::{Error, Result};
 
 /// A file that is written beside its place and takes it on
 /// [`commit`](AtomicFile::commit); dropped before that, it leaves nothing
-/// behind and the old file, if any, as it was.
+/// behind and the old file, if any, as it was. What is no file but can be
+/// written to, a pipe or `/dev/null`, is written to and stays what it is.
 ///
 /// ```
 /// use std::io::Write;
@@ -28,17 +29,23 @@ use crate::{Error, Result};
 pub struct AtomicFile {
     writer: BufWriter<File>,
     path: PathBuf,
-    temporary: Temporary,
+    /// The file beside; `None` where `path` itself is written to.
+    temporary: Option<Temporary>,
 }
 
 impl AtomicFile {
-    /// Opens a temporary file in the folder of `path`.
+    /// Opens a temporary file in the folder of `path`, or what is no file.
     ///
     /// # Errors
     /// [`Error::Io`] when the folder is missing or not writable.
     pub fn create(path: &Path) -> Result<Self> {
-        let temporary = Temporary(temporary_name(path));
-        let file = File::create(&temporary.0).map_err(|e| Error::io(path, e))?;
+        let (file, temporary) = if is_pipe_or_device(path) {
+            (File::options().write(true).open(path), None)
+        } else {
+            let temporary = Temporary(temporary_name(path));
+            (File::create(&temporary.0), Some(temporary))
+        };
+        let file = file.map_err(|e| Error::io(path, e))?;
         let writer = BufWriter::with_capacity(1 << 18, file);
         Ok(AtomicFile { writer, path: path.to_owned(), temporary })
     }
@@ -65,10 +72,11 @@ impl AtomicFile {
     fn finish(mut self, durably: bool) -> Result<()> {
         let io = |e| Error::io(&self.path, e);
         self.writer.flush().map_err(io)?;
+        let Some(temporary) = &self.temporary else { return Ok(()) };
         if durably {
             self.writer.get_ref().sync_all().map_err(io)?;
         }
-        fs::rename(&self.temporary.0, &self.path).map_err(io)
+        fs::rename(&temporary.0, &self.path).map_err(io)
     }
 }
 
@@ -108,6 +116,11 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.0);
     }
+}
+
+/// True for what a rename would replace by a file, to everybody's surprise.
+fn is_pipe_or_device(path: &Path) -> bool {
+    path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir())
 }
 
 /// A name in the same folder (a rename must not cross file systems) that no

@@ -47,11 +47,14 @@ pub enum Mode {
     Background,
     /// The paper's steps with all of its accelerations but the GPU.
     Accelerated,
+    /// The plain path with the swap points of `Accelerated`: one core, one task after another,
+    /// networks of the same positions in use over the same steps.
+    Ahead,
 }
 
 impl Mode {
     /// Every mode.
-    pub const ALL: [Mode; 7] = [
+    pub const ALL: [Mode; 8] = [
         Mode::OneCore,
         Mode::AllCores,
         Mode::Tasks,
@@ -59,18 +62,19 @@ impl Mode {
         Mode::Reuse,
         Mode::Background,
         Mode::Accelerated,
+        Mode::Ahead,
     ];
 
     /// Its name in files.
     pub const fn name(self) -> &'static str {
-        ["one-core", "all-cores", "tasks", "plain", "reuse", "background", "accelerated"]
+        ["one-core", "all-cores", "tasks", "plain", "reuse", "background", "accelerated", "ahead"]
             [self as usize]
     }
 
     /// Threads that it runs on where there are `all`.
     pub const fn threads(self, all: usize) -> usize {
         match self {
-            Mode::OneCore | Mode::Plain | Mode::Reuse => 1,
+            Mode::OneCore | Mode::Plain | Mode::Reuse | Mode::Ahead => 1,
             Mode::AllCores | Mode::Tasks | Mode::Background | Mode::Accelerated => all,
         }
     }
@@ -78,7 +82,7 @@ impl Mode {
     /// Steps of a specimen's run.
     pub const fn steps(self, specimen: &Specimen) -> u64 {
         match self {
-            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated => STEPS,
+            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => STEPS,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
         }
     }
@@ -87,7 +91,7 @@ impl Mode {
     pub const fn interval(self, specimen: &Specimen) -> u64 {
         match self {
             Mode::Plain => 1,
-            Mode::Reuse | Mode::Background | Mode::Accelerated => INTERVAL,
+            Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => INTERVAL,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
         }
     }
@@ -100,7 +104,7 @@ impl Mode {
     /// Runs of which the fastest counts.
     pub const fn repeats(self, specimen: &Specimen) -> usize {
         match self {
-            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated => 1,
+            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => 1,
             Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.repeats,
         }
     }
@@ -110,6 +114,7 @@ impl Mode {
         match self {
             Mode::OneCore | Mode::AllCores | Mode::Plain | Mode::Reuse => "",
             Mode::Tasks => "parallel_tasks = true",
+            Mode::Ahead => "remesh = \"ahead\"",
             Mode::Background => "remesh = \"background\"",
             Mode::Accelerated => "remesh = \"background\"\nparallel_tasks = true",
         }
@@ -254,6 +259,11 @@ impl Timing {
     /// Time of the whole run over its steps (s).
     pub fn wall_per_step(&self) -> f64 {
         self.number("wall_s") / self.number("steps")
+    }
+
+    /// Orderings and symbolic analyses; the other networks had the pattern of an earlier one.
+    pub fn analyses(&self) -> f64 {
+        self.0["remesh"]["analyses"].as_f64().unwrap_or(f64::NAN)
     }
 
     /// Total of a phase (s).
