@@ -20,10 +20,15 @@ UNDER_VALGRIND = cargo test --locked --config 'target."cfg(unix)".runner = $(VAL
 DEMO := out/oedometer
 COMPARISON := out/compare-yade
 PAPER := out/paper
+BUNDLE := out/bundle
+
+# Everything with GPU support is built beside the rest: the features differ.
+WITH_CUDA := --locked --features cuda --target-dir target/cuda
+CUDA = $(firstword $(wildcard $(CUDA_PATH) $(CUDA_HOME) /usr/local/cuda cuda/toolkit/nvidia/cu13))
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
-	compare-yade yade-test paper bench install-packages install-test-packages install-yade \
+	compare-yade yade-test paper cuda cuda-test bundle bench install-packages install-test-packages install-yade \
 	install-memcheck-packages
 
 help: ## List these commands
@@ -89,6 +94,23 @@ paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md
 	cp $(PAPER)/paper/*.png $(PAPER)/paper/*.csv docs/paper/
 	cp $(PAPER)/paper.md docs/paper.md
 	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
+
+cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
+	cholmod-sys/cuda/fetch.sh cuda
+	cargo build --release $(WITH_CUDA)
+
+# CHOLMOD's GPU code, walked on the CPU by a stand-in for CUDA. No GPU is needed,
+# and one that is there is not used.
+cuda-test: install-packages install-test-packages
+	cholmod-sys/cuda/fetch.sh cuda
+	cholmod-sys/cuda/standin/build.sh $(CUDA)/include target/cuda/standin
+	cargo clippy --workspace --all-targets $(WITH_CUDA) -- -D warnings
+	DEMPFV_CUDA_LIBRARIES=$(CURDIR)/target/cuda/standin OPENBLAS_NUM_THREADS=1 \
+		cargo test $(WITH_CUDA) -p cholmod-sys -p dempfv -p dempfv-cli \
+		--test solver --test solver_gpu --test solver_gpu_memory --test gpu --lib
+
+bundle: cuda ## Pack the GPU program with its libraries for another machine: out/bundle
+	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
 bench: install-packages ## Time a step, a network, a solve, by criterion
 	cargo bench --workspace --locked

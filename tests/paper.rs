@@ -57,13 +57,26 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     assert_eq!(folder.read("p/points/run-1000-one-core.json"), kept);
     assert_eq!(column(&folder, "mode"), ["one-core", "all-cores"]);
 
-    // A run on a GPU that another machine has left gets its column.
+    // What another machine has measured on its GPU gets its column, unless no GPU worked.
     std::fs::create_dir_all(folder.0.join("p/gpu")).unwrap();
-    let summary = folder.read("p/runs/run-1000-one-core/summary.json");
-    folder.write("p/gpu/H1-1000.json", &summary);
+    let one_core = folder.json("p/runs/run-1000-one-core/summary.json");
+    let mut with_gpu = one_core.clone();
+    let file = |with_gpu: &serde_json::Value| {
+        let measured = serde_json::json!({
+            "name": "H1", "gpu": {}, "machine": "m", "day": "d", "with_gpu": with_gpu,
+            "one_core": one_core, "all_cores": { "analyze_s": 1.0, "factor_s": 1.0 }, "threads": 16,
+        });
+        folder.write("p/gpu/H1-1000.json", &measured.to_string());
+    };
+    file(&with_gpu);
+    let refused = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(error(&refused).contains("H1-1000.json"), "{}", error(&refused));
+    with_gpu["gpu"] = serde_json::json!({ "syrk_calls": 5, "share": 0.5 });
+    file(&with_gpu);
     let third = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert!(third.status.success(), "{}", error(&third));
-    assert_eq!(column(&folder, "device"), ["cpu", "cpu", "H1"]);
+    assert_eq!(column(&folder, "device"), ["cpu", "cpu", "H1", "cpu beside H1"]);
     assert!(folder.read("p/paper.md").contains("| 1 core | 2 cores | H1 |"));
 
     // Force measures again: the same bits in another time.

@@ -10,6 +10,8 @@ mod bindings {
 }
 
 pub mod blas;
+#[cfg(feature = "cuda")]
+pub mod cuda;
 mod loaded;
 pub mod openmp;
 

@@ -5,7 +5,7 @@ use std::fmt;
 use std::thread::available_parallelism;
 
 use dempfv::Error;
-use dempfv::solver::{SolverKind, blas};
+use dempfv::solver::{self, GpuInfo, SolverKind, blas};
 use serde::Serialize;
 
 use super::format::bytes;
@@ -25,7 +25,9 @@ pub struct Report {
     /// Memory of the machine, and what is free of it (bytes).
     memory_bytes: Option<u64>,
     memory_available_bytes: Option<u64>,
-    gpu: &'static str,
+    gpus: Vec<GpuInfo>,
+    /// Why there is none.
+    no_gpu: Option<String>,
     advice: Vec<String>,
 }
 
@@ -50,16 +52,37 @@ pub fn versions() -> BTreeMap<&'static str, String> {
 /// None at present.
 pub fn run(_: &Args) -> Result<Report, Error> {
     let memory = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let gpus = solver::gpus();
+    let built = SolverKind::ALL.iter().filter(|kind| kind.is_built());
     Ok(Report {
         versions: versions(),
         blas_library: cholmod_sys::blas::library_path(),
-        solvers: SolverKind::ALL.iter().map(|kind| kind.name()).collect(),
+        solvers: built.map(|kind| kind.name()).collect(),
         cores: available_parallelism().ok().map(Into::into),
         memory_bytes: meminfo(&memory, "MemTotal:"),
         memory_available_bytes: meminfo(&memory, "MemAvailable:"),
-        gpu: "not built with GPU support",
+        gpus: gpus.clone().unwrap_or_default(),
+        no_gpu: gpus.err(),
         advice: advice(),
     })
+}
+
+/// What a GPU is, in a line.
+fn gpu_line(gpu: &GpuInfo) -> String {
+    format!(
+        "{}: {}, {} ({} free), compute capability {}, {} multiprocessors{}; driver {} for CUDA {}, \
+         runtime {}",
+        gpu.device,
+        gpu.name,
+        bytes(gpu.memory_bytes as f64),
+        bytes(gpu.memory_free_bytes as f64),
+        gpu.compute,
+        gpu.multiprocessors,
+        gpu.clock_mhz.map_or(String::new(), |mhz| format!(" up to {mhz} MHz")),
+        gpu.driver.as_deref().unwrap_or("of unknown version"),
+        gpu.driver_cuda,
+        gpu.runtime_cuda
+    )
 }
 
 /// A line of /proc/meminfo, in bytes.
@@ -100,7 +123,12 @@ impl fmt::Display for Report {
         let size = |size: Option<u64>| or_unknown(size.map(|size| bytes(size as f64)));
         let (all, free) = (size(self.memory_bytes), size(self.memory_available_bytes));
         writeln!(f, "{:<12} {all}, {free} available", "memory")?;
-        writeln!(f, "{:<12} {}", "GPU", self.gpu)?;
+        for gpu in &self.gpus {
+            writeln!(f, "{:<12} {}", "GPU", gpu_line(gpu))?;
+        }
+        if let Some(reason) = &self.no_gpu {
+            writeln!(f, "{:<12} none: {reason}", "GPU")?;
+        }
         match self.advice.as_slice() {
             [] => writeln!(f, "\nnothing is missing"),
             advice => advice.iter().try_for_each(|line| writeln!(f, "\n{line}")),

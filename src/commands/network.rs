@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use dempfv::io::matrix_market;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
@@ -28,6 +29,10 @@ pub struct Args {
     /// through [default: y_min=1 y_max=0]
     #[arg(long, value_name = "WALL=VALUE", num_args = 1..)]
     pressure: Vec<String>,
+    /// Also write the matrix of the unknown pressures (Matrix Market), for `dempfv solve` and
+    /// other solvers
+    #[arg(long, value_name = "FILE")]
+    matrix: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -112,9 +117,16 @@ pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
         true => None,
         false => Some(args.output.folder(&args.packing, FILE)?),
     };
+    if let Some(file) = args.matrix.as_ref().filter(|f| !args.output.force && f.exists()) {
+        let what = format!("--matrix {} is there already", file.display());
+        return Err(InputError::new(what, "give --force to replace it, or another name").into());
+    }
     let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
     flow.solve_static()?;
     let mut report = report(&flow, &packing.radius, &fluid);
+    if let Some(file) = &args.matrix {
+        matrix_market::write_matrix(file, &flow.operators.matrix)?;
+    }
     if let Some(folder) = folder {
         make_folder(&folder)?;
         context::write_json(&folder.join(FILE), &report)?;

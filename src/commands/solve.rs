@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use dempfv::io::matrix_market;
-use dempfv::solver::{Analysis, SolverError, SolverKind, SymmetricCsc, UnknownSolver, blas};
+use dempfv::solver::{
+    Analysis, Placement, SolverError, SolverKind, SymmetricCsc, UnknownSolver, blas,
+};
 use dempfv::{Error, InputError};
 use serde::Serialize;
 
@@ -62,6 +64,8 @@ struct SolverReport {
     /// Largest error of an unknown where the solution is known.
     forward_error: Option<f64>,
     memory_bytes: usize,
+    /// Where the factorization was computed.
+    placement: Placement,
 }
 
 /// Reads the system and solves it.
@@ -76,7 +80,9 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     };
     let known = args.right_hand_side.is_none().then_some(1.0);
     let chosen = args.solver.as_slice();
-    let kinds = if chosen.is_empty() { SolverKind::ALL } else { chosen };
+    let built: Vec<SolverKind> =
+        SolverKind::ALL.iter().copied().filter(|kind| kind.is_built()).collect();
+    let kinds = if chosen.is_empty() { &built } else { chosen };
     let solvers = kinds
         .iter()
         .map(|&kind| measure(kind, &a, &b, known).map_err(|e| failed(e, kind, &args.matrix)))
@@ -129,6 +135,7 @@ fn measure(
         residual,
         forward_error: known.map(|known| x.iter().map(|x| (x - known).abs()).fold(0.0, f64::max)),
         memory_bytes: factor.memory_bytes(),
+        placement: factor.placement().clone(),
     })
 }
 
@@ -163,7 +170,7 @@ impl fmt::Display for Report {
         writeln!(f, "BLAS: {}{}\n", self.blas, threads.unwrap_or_default())?;
         writeln!(
             f,
-            "{:<9} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
             "solver",
             "ordering",
             "analyze",
@@ -178,7 +185,7 @@ impl fmt::Display for Report {
         self.solvers.iter().try_for_each(|run| {
             writeln!(
                 f,
-                "{:<9} {:<9} {:>9} {:>9} {:>9} {:>9.3e} {:>9.3e} {:>9.1e} {:>9} {:>9}",
+                "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9.3e} {:>9.3e} {:>9.1e} {:>9} {:>9}",
                 run.solver,
                 run.analysis.ordering,
                 duration(run.analyze_s),
@@ -190,6 +197,23 @@ impl fmt::Display for Report {
                 run.forward_error.map_or("-".to_owned(), |e| format!("{e:.1e}")),
                 bytes(run.memory_bytes as f64),
             )
+        })?;
+        self.solvers.iter().try_for_each(|run| match &run.placement {
+            Placement::Cpu => Ok(()),
+            Placement::Fallback { reason } => {
+                writeln!(f, "\n{}: on the CPU, because {reason}", run.solver)
+            }
+            Placement::Gpu(work) => writeln!(
+                f,
+                "\n{}: {:.0} % of the operations on {} ({} SYRK, {} GEMM, {} POTRF, {} TRSM)",
+                run.solver,
+                100.0 * work.share.min(1.0),
+                work.name,
+                work.syrk_calls,
+                work.gemm_calls,
+                work.potrf_calls,
+                work.trsm_calls
+            ),
         })
     }
 }

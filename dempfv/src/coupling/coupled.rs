@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::TimeStepBounds;
 use super::background::NetworkBuilder;
+use super::gpu_use::GpuUse;
 use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
@@ -266,6 +267,11 @@ impl Coupled {
     /// What happened at remeshes.
     pub fn remesh_counts(&self) -> &RemeshCounts {
         &self.networks.counts
+    }
+
+    /// What a GPU did, where the solver asks for one.
+    pub fn gpu_use(&self) -> &GpuUse {
+        &self.networks.gpu
     }
 
     /// The remesh interval and what it follows from.

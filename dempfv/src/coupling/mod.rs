@@ -31,6 +31,7 @@ mod background;
 mod clock;
 mod coupled;
 mod error;
+mod gpu_use;
 mod networks;
 mod observe;
 mod outcome;
@@ -45,6 +46,7 @@ mod wet;
 pub use background::{NetworkBuilder, Order, StandardBuilder};
 pub use coupled::{Coupled, Saturation};
 pub use error::CouplingError;
+pub use gpu_use::GpuUse;
 pub use observe::Observation;
 pub use outcome::{
     Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, MotionSample, Outcome,

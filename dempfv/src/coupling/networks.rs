@@ -16,6 +16,7 @@ use super::background::{
     Answer, NetworkBuilder, Order, StandardBuilder, Ticket, Worker, complete, guarded,
 };
 use super::coupled::Saturation;
+use super::gpu_use::GpuUse;
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
 use super::setup::with_users_numbers;
@@ -40,6 +41,7 @@ pub(super) struct Networks {
     /// The next step has its network.
     prepared: bool,
     pub counts: RemeshCounts,
+    pub gpu: GpuUse,
 }
 
 /// What is left of a network that made room.
@@ -100,6 +102,7 @@ impl Networks {
             auto: AutoInterval::default(),
             prepared: false,
             counts: RemeshCounts::default(),
+            gpu: GpuUse::default(),
         }
     }
 
@@ -407,6 +410,7 @@ impl Networks {
     fn count(&mut self, flow: &Flow) {
         self.counts.networks += 1;
         self.counts.analyses += u64::from(!flow.analysis_reused() && flow.nnz_l() > 0);
+        self.gpu.book(flow.placement());
     }
 
     /// The interval in force.
@@ -455,6 +459,7 @@ impl Networks {
             .build(&state.snapshot, site, phases)
             .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
+        self.gpu.book(flow.placement());
         flow.resume(&state.solution);
         if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];

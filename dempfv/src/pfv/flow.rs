@@ -3,7 +3,7 @@
 use super::build::{Assembled, BuildTimes, Spare};
 use super::carry::Carried;
 use super::{Fluid, Network, Operators, PfvError};
-use crate::solver::{Factor, SolverKind};
+use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
 
 /// Largest imbalance of fluid mass that is left as it is, and the number of
@@ -355,6 +355,12 @@ impl Flow {
     /// How long the network and its factorization took.
     pub fn build_times(&self) -> BuildTimes {
         self.build_times
+    }
+
+    /// Where the factorization was computed.
+    pub fn placement(&self) -> &Placement {
+        static NOTHING: Placement = Placement::Cpu;
+        self.factor.as_ref().map_or(&NOTHING, |f| f.placement())
     }
 
     /// Number of entries of the factor; 0 when nothing is unknown.

@@ -48,6 +48,8 @@ pub(super) static FLUID: Schema = table(
         "slip_walls",
         "clamp",
         "solver",
+        "gpu_device",
+        "gpu_memory",
         "pressure",
         "no_flow",
     ],

@@ -5,15 +5,15 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, Cholmod};
+use super::{Backend, Cholmod, CholmodGpu, GpuOptions};
 
-/// A solver that this build offers.
+/// A solver by its name.
 ///
 /// ```
 /// use dempfv::solver::SolverKind;
 /// assert_eq!("cholmod".parse(), Ok(SolverKind::Cholmod));
 /// let error = "colmod".parse::<SolverKind>().unwrap_err();
-/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: cholmod");
+/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: cholmod, cholmod-gpu");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -21,16 +21,30 @@ pub enum SolverKind {
     /// Supernodal Cholesky factorization by SuiteSparse's CHOLMOD.
     #[default]
     Cholmod,
+    /// The same with its largest parts on an NVIDIA GPU, as far as there is one
+    /// and this build has the feature `cuda`; else on the CPU.
+    CholmodGpu(GpuOptions),
 }
 
 impl SolverKind {
-    /// Every solver of this build.
-    pub const ALL: &'static [SolverKind] = &[SolverKind::Cholmod];
+    /// Every solver.
+    pub const ALL: &'static [SolverKind] =
+        &[SolverKind::Cholmod, SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None })];
 
     /// The solver's name in scenes and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             SolverKind::Cholmod => "cholmod",
+            SolverKind::CholmodGpu(_) => "cholmod-gpu",
+        }
+    }
+
+    /// True where this build has all that the solver is made of. One that it
+    /// lacks works too, by falling back on another.
+    pub const fn is_built(self) -> bool {
+        match self {
+            SolverKind::Cholmod => true,
+            SolverKind::CholmodGpu(_) => cfg!(feature = "cuda"),
         }
     }
 
@@ -38,6 +52,7 @@ impl SolverKind {
     pub fn backend(self) -> Box<dyn Backend> {
         match self {
             SolverKind::Cholmod => Box::new(Cholmod),
+            SolverKind::CholmodGpu(options) => Box::new(CholmodGpu(options)),
         }
     }
 }
@@ -48,7 +63,7 @@ impl fmt::Display for SolverKind {
     }
 }
 
-/// A solver's name that none of this build has.
+/// A name that no solver has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown solver `{0}`; the solvers are: {names}", names = names())]
 pub struct UnknownSolver(pub String);

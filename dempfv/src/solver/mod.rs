@@ -42,13 +42,17 @@
 pub mod blas;
 mod cholmod;
 mod error;
+mod gpu_info;
 mod kind;
 mod matrix;
+mod placement;
 
-pub use cholmod::Cholmod;
+pub use cholmod::{Cholmod, CholmodGpu};
 pub use error::SolverError;
+pub use gpu_info::{GpuInfo, gpus};
 pub use kind::{SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
+pub use placement::{GpuOptions, GpuWork, Placement};
 
 /// Largest residual of a checked solve (see [`SymmetricCsc::residual`]). A
 /// sound factorization leaves some 10⁻¹⁶.
@@ -119,6 +123,9 @@ pub trait Factor: Send {
 
     /// Memory that the factor holds, in bytes.
     fn memory_bytes(&self) -> usize;
+
+    /// Where the factorization was computed.
+    fn placement(&self) -> &Placement;
 
     /// Solves A x = b and returns the residual ([`SymmetricCsc::residual`]),
     /// for the first solve after a factorization. `a` is the factored matrix.

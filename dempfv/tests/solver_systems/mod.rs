@@ -6,12 +6,17 @@ use dempfv::solver::{Factor, SolverError, SolverKind, SymmetricCsc};
 /// The seven-point Laplacian on an m x m x m grid with zero pressure around
 /// it: 6 on the diagonal, -1 for each neighbour.
 pub fn laplacian(m: usize) -> SymmetricCsc {
-    let mut a = SymmetricCsc { n: m * m * m, col_ptr: vec![0], ..Default::default() };
+    bar(m, m)
+}
+
+/// The same on an m x m x l grid.
+pub fn bar(m: usize, l: usize) -> SymmetricCsc {
+    let mut a = SymmetricCsc { n: m * m * l, col_ptr: vec![0], ..Default::default() };
     for j in 0..a.n {
         let (x, y, z) = (j % m, j / m % m, j / (m * m));
         a.row_idx.push(j as i64);
         a.values.push(6.0);
-        for (inside, stride) in [(x + 1 < m, 1), (y + 1 < m, m), (z + 1 < m, m * m)] {
+        for (inside, stride) in [(x + 1 < m, 1), (y + 1 < m, m), (z + 1 < l, m * m)] {
             if inside {
                 a.row_idx.push((j + stride) as i64);
                 a.values.push(-1.0);
@@ -25,7 +30,11 @@ pub fn laplacian(m: usize) -> SymmetricCsc {
 /// The same pattern with conductances over nine decades, as pores have them:
 /// the row sums vanish but for a small leak from each unknown.
 pub fn network(m: usize, seed: u64) -> SymmetricCsc {
-    let mut a = laplacian(m);
+    with_conductances(laplacian(m), seed)
+}
+
+/// Conductances as those of [`network`] in a pattern.
+pub fn with_conductances(mut a: SymmetricCsc, seed: u64) -> SymmetricCsc {
     let exponents = numbers(a.nnz(), seed);
     let mut diagonal = vec![1e-12; a.n];
     for j in 0..a.n {

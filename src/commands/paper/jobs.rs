@@ -10,7 +10,7 @@ use super::machine::Machine;
 use super::remesh;
 use super::specimens::Specimen;
 use super::timing::{self, Mode};
-use super::{built, factored};
+use super::{built, factored, gpu};
 use crate::commands::Error;
 use crate::commands::bench::Bench;
 use crate::commands::format::{bytes, duration};
@@ -23,9 +23,17 @@ const AFFORDABLE: f64 = 300.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Job {
     Remesh(remesh::Run),
-    Built { specimen: Specimen, threads: usize },
+    Built {
+        specimen: Specimen,
+        threads: usize,
+    },
     Factored(Specimen),
-    Run { specimen: Specimen, mode: Mode },
+    Run {
+        specimen: Specimen,
+        mode: Mode,
+    },
+    /// On the machine's GPU, and beside it on its cores.
+    OnGpu(Specimen),
 }
 
 /// A point with what it can be expected to need.
@@ -83,6 +91,18 @@ impl Jobs {
         Ok(jobs)
     }
 
+    /// What the rows of this machine's GPU need, by cubes.
+    ///
+    /// # Errors
+    /// The project's packings are not there.
+    pub fn with_gpu(specimens: &[Specimen], machine: &Machine) -> Result<Jobs, Error> {
+        let mut jobs = Jobs { list: vec![], left_out: vec![] };
+        for &specimen in specimens.iter().filter(|specimen| specimen.is_cube()) {
+            jobs.add(Job::OnGpu(specimen), machine)?;
+        }
+        Ok(jobs)
+    }
+
     fn add(&mut self, job: Job, machine: &Machine) -> Result<(), Error> {
         let need = job.need()?;
         let composed = matches!(job, Job::Run { mode: Mode::Plain, .. }) && need.time > AFFORDABLE;
@@ -111,7 +131,7 @@ impl Jobs {
     ///
     /// # Errors
     /// The first that fails; all before it are kept.
-    pub fn carry_out(&self, bench: &Bench, threads: usize) -> Result<(), Error> {
+    pub fn carry_out(&mut self, bench: &Bench, threads: usize) -> Result<(), Error> {
         let (mut done, mut spent) = (0.0, 0.0);
         for (i, Planned { job, need }) in self.list.iter().enumerate() {
             let left: f64 = self.list[i..].iter().map(|p| p.need.time).sum();
@@ -120,7 +140,9 @@ impl Jobs {
             let (k, all, left) = (i + 1, self.list.len(), duration(pace * left));
             note(&format!("{k} of {all}, about {left} left: {}", job.point()));
             let start = Instant::now();
-            job.carry_out(bench, threads)?;
+            if let Some(reason) = job.carry_out(bench, threads)? {
+                self.left_out.push(format!("{} ({reason})", job.point()));
+            }
             let time = start.elapsed().as_secs_f64();
             // Points that were known take no time and tell nothing about the machine.
             if time > 0.1 {
@@ -132,15 +154,18 @@ impl Jobs {
 }
 
 impl Job {
-    fn carry_out(&self, bench: &Bench, threads: usize) -> Result<(), Error> {
+    /// Measures it, or returns why there is nothing to be measured.
+    fn carry_out(&self, bench: &Bench, threads: usize) -> Result<Option<String>, Error> {
         match *self {
-            Job::Remesh(run) => remesh::measure(bench, run, threads).map(drop),
-            Job::Built { specimen, threads } => built::measure(bench, &specimen, threads).map(drop),
-            Job::Factored(specimen) => factored::measure(bench, &specimen, threads).map(drop),
+            Job::Remesh(run) => drop(remesh::measure(bench, run, threads)?),
+            Job::Built { specimen, threads } => drop(built::measure(bench, &specimen, threads)?),
+            Job::Factored(specimen) => drop(factored::measure(bench, &specimen, threads)?),
             Job::Run { specimen, mode } => {
-                timing::measure(bench, &specimen, mode, mode.threads(threads)).map(drop)
+                drop(timing::measure(bench, &specimen, mode, mode.threads(threads))?);
             }
+            Job::OnGpu(specimen) => return gpu::measure(bench, &specimen, threads),
         }
+        Ok(None)
     }
 
     /// Name of what it measures.
@@ -150,6 +175,7 @@ impl Job {
             Job::Built { specimen, threads } => built::name(&specimen, threads),
             Job::Factored(specimen) => factored::name(&specimen),
             Job::Run { specimen, mode } => timing::name(&specimen, mode),
+            Job::OnGpu(specimen) => timing::name(&specimen, Mode::Gpu),
         }
     }
 
@@ -168,6 +194,12 @@ impl Job {
             Job::Factored(specimen) => {
                 let e = expected(&specimen, Mode::AllCores)?;
                 Ok(Need { time: e.remesh, memory: e.memory })
+            }
+            // The CPU takes most of the time, once for each way to use it.
+            Job::OnGpu(specimen) => {
+                let e = expected(&specimen, Mode::OneCore)?;
+                let steps = specimen.steps as f64 * specimen.repeats as f64;
+                Ok(Need { time: 3.0 * e.remesh + 2.0 * steps * e.step, memory: e.memory })
             }
             Job::Run { specimen, mode } => {
                 let e = expected(&specimen, mode)?;

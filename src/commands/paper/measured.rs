@@ -1,18 +1,13 @@
 //! All that is known so far, whichever call has measured it.
 
-use std::path::Path;
-
 use super::built::{self, Built};
 use super::factored::{self, Factored};
+use super::gpu::{self, OnGpu};
 use super::remesh::{self, Remesh};
 use super::specimens::{SPECIMENS, Specimen};
 use super::timing::{self, Mode, Timing};
 use crate::commands::Error;
 use crate::commands::bench::Bench;
-
-/// Folder of runs that were made on machines with a GPU: the `summary.json` of each, renamed
-/// to `NAME-SPHERES.json`.
-const GPU_FOLDER: &str = "gpu";
 
 /// What is known of one specimen.
 pub struct Row {
@@ -24,8 +19,8 @@ pub struct Row {
     pub built: [Option<Built>; 2],
     /// Its factorization with the BLAS on all cores.
     pub factored: Option<Factored>,
-    /// Runs with a GPU, by the name of the device.
-    pub gpu: Vec<(String, Timing)>,
+    /// What was measured on machines with a GPU.
+    pub gpu: Vec<OnGpu>,
 }
 
 /// What is known in all.
@@ -73,7 +68,7 @@ impl Measured {
     /// Names of the GPUs that there are runs of.
     pub fn gpus(&self) -> Vec<&str> {
         let mut names: Vec<&str> =
-            self.rows.iter().flat_map(|row| &row.gpu).map(|(name, _)| name.as_str()).collect();
+            self.rows.iter().flat_map(|row| &row.gpu).map(|on| on.name.as_str()).collect();
         names.sort_unstable();
         names.dedup();
         names
@@ -96,7 +91,7 @@ impl Row {
         }
         let built = [built::known(bench, specimen, 1)?, built::known(bench, specimen, threads)?];
         let factored = factored::known(bench, specimen, threads)?;
-        let gpu = with_gpu(&bench.folder.join(GPU_FOLDER), specimen)?;
+        let gpu = gpu::known(&bench.folder, specimen)?;
         Ok(Row { specimen: *specimen, timings, built, factored, gpu })
     }
 
@@ -105,14 +100,14 @@ impl Row {
         self.timings[mode as usize].as_ref()
     }
 
-    /// The run on this GPU.
-    pub fn on_gpu(&self, name: &str) -> Option<&Timing> {
-        self.gpu.iter().find(|(n, _)| n == name).map(|(_, timing)| timing)
+    /// What was measured on this GPU.
+    pub fn on_gpu(&self, name: &str) -> Option<&OnGpu> {
+        self.gpu.iter().find(|on| on.name == name)
     }
 
     /// Every run.
     pub fn all(&self) -> impl Iterator<Item = &Timing> {
-        self.timings.iter().flatten().chain(self.gpu.iter().map(|(_, timing)| timing))
+        self.timings.iter().flatten().chain(self.gpu.iter().map(|on| &on.with_gpu))
     }
 
     /// Number of unknown pressures, once a run has counted them.
@@ -124,22 +119,4 @@ impl Row {
     pub fn name(&self) -> String {
         crate::commands::format::count(self.specimen.spheres.into())
     }
-}
-
-/// The runs of a specimen with a GPU.
-fn with_gpu(folder: &Path, specimen: &Specimen) -> Result<Vec<(String, Timing)>, Error> {
-    let ending = format!("-{}.json", specimen.spheres);
-    let mut runs = Vec::new();
-    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path()) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let Some(device) = name.strip_suffix(&ending) else { continue };
-        let text = std::fs::read(&path).map_err(|e| dempfv::Error::io(&path, e))?;
-        let timing = serde_json::from_slice(&text).map_err(|e| {
-            dempfv::InputError::new(e.to_string(), "a run's summary.json belongs there")
-                .in_file(&path)
-        })?;
-        runs.push((device.to_owned(), timing));
-    }
-    runs.sort_by(|a, b| a.0.cmp(&b.0));
-    Ok(runs)
 }

@@ -6,6 +6,7 @@ mod claims;
 mod draw;
 mod factored;
 mod figures;
+mod gpu;
 mod jobs;
 mod machine;
 mod measured;
@@ -41,6 +42,9 @@ pub struct Args {
     /// Measure only the specimens of so many spheres
     #[arg(long, value_name = "SPHERES", value_delimiter = ',')]
     sizes: Vec<u32>,
+    /// Measure this machine's first GPU instead, beside its cores, for the GPU rows
+    #[arg(long)]
+    gpu: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -62,7 +66,10 @@ pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     let specimens = specimens::chosen(&args.sizes)?;
     let figures = if args.figures.is_empty() { &Figure::ALL[..] } else { &args.figures };
     let machine = Machine::here(context.threads);
-    let jobs = Jobs::new(figures, &specimens, &machine)?;
+    let mut jobs = match args.gpu {
+        true => Jobs::with_gpu(&specimens, &machine)?,
+        false => Jobs::new(figures, &specimens, &machine)?,
+    };
     let folder = folder(&args.output)?;
     make_folder(&folder)?;
     let bench: Bench = Bench::lasting(folder, (), &machine.to_string())?;

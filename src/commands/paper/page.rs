@@ -30,6 +30,7 @@ pub fn write(
     let figures = folder.join(FOLDER);
     std::fs::create_dir_all(&figures).map_err(|e| dempfv::Error::io(&figures, e))?;
     let mut text = head(measured, machine);
+    text += &gpus(measured);
     text += &disturbed(measured);
     text += &claims::section(measured);
     for figure in Figure::ALL {
@@ -75,6 +76,21 @@ fn head(measured: &Measured, machine: &Machine) -> String {
         of("cgal"),
         of("rustc"),
     )
+}
+
+/// Says where the GPU columns come from.
+fn gpus(measured: &Measured) -> String {
+    let mut found: Vec<_> = measured.rows.iter().flat_map(|row| &row.gpu).collect();
+    found.sort_by_key(|on| &on.name);
+    found.dedup_by_key(|on| &on.name);
+    let lines = found.into_iter().map(|on| {
+        format!(
+            "Columns \"{}\" may be of another machine than the rest of their tables: {} ({} cores \
+             used), measured on {}. The claims below compare them with cores of that machine.\n\n",
+            on.name, on.machine, on.threads, on.day
+        )
+    });
+    lines.collect()
 }
 
 /// Says which runs had to share the machine.

@@ -15,8 +15,10 @@ pub fn csv(measured: &Measured) -> String {
                 text += &line(row, "cpu", mode.name(), mode.is_in_background(), timing);
             }
         }
-        for (device, timing) in &row.gpu {
-            text += &line(row, device, "gpu", false, timing);
+        for on in &row.gpu {
+            text += &line(row, &on.name, Mode::Gpu.name(), false, &on.with_gpu);
+            let beside = format!("cpu beside {}", on.name);
+            text += &line(row, &beside, Mode::OneCore.name(), false, &on.one_core);
         }
     }
     text

@@ -50,10 +50,13 @@ pub enum Mode {
     /// The plain path with the swap points of `Accelerated`: one core, one task after another,
     /// networks of the same positions in use over the same steps.
     Ahead,
+    /// As `AllCores`, with the factorization on a GPU; not one of [`Mode::ALL`], which every
+    /// machine can run.
+    Gpu,
 }
 
 impl Mode {
-    /// Every mode.
+    /// Every mode that needs no GPU.
     pub const ALL: [Mode; 8] = [
         Mode::OneCore,
         Mode::AllCores,
@@ -67,15 +70,24 @@ impl Mode {
 
     /// Its name in files.
     pub const fn name(self) -> &'static str {
-        ["one-core", "all-cores", "tasks", "plain", "reuse", "background", "accelerated", "ahead"]
-            [self as usize]
+        [
+            "one-core",
+            "all-cores",
+            "tasks",
+            "plain",
+            "reuse",
+            "background",
+            "accelerated",
+            "ahead",
+            "gpu",
+        ][self as usize]
     }
 
     /// Threads that it runs on where there are `all`.
     pub const fn threads(self, all: usize) -> usize {
         match self {
             Mode::OneCore | Mode::Plain | Mode::Reuse | Mode::Ahead => 1,
-            Mode::AllCores | Mode::Tasks | Mode::Background | Mode::Accelerated => all,
+            Mode::AllCores | Mode::Tasks | Mode::Background | Mode::Accelerated | Mode::Gpu => all,
         }
     }
 
@@ -83,7 +95,7 @@ impl Mode {
     pub const fn steps(self, specimen: &Specimen) -> u64 {
         match self {
             Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => STEPS,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
+            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.steps,
         }
     }
 
@@ -92,7 +104,7 @@ impl Mode {
         match self {
             Mode::Plain => 1,
             Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => INTERVAL,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.steps,
+            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.steps,
         }
     }
 
@@ -105,7 +117,7 @@ impl Mode {
     pub const fn repeats(self, specimen: &Specimen) -> usize {
         match self {
             Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => 1,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks => specimen.repeats,
+            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.repeats,
         }
     }
 
@@ -115,6 +127,7 @@ impl Mode {
             Mode::OneCore | Mode::AllCores | Mode::Plain | Mode::Reuse => "",
             Mode::Tasks => "parallel_tasks = true",
             Mode::Ahead => "remesh = \"ahead\"",
+            Mode::Gpu => "solver = \"cholmod-gpu\"",
             Mode::Background => "remesh = \"background\"",
             Mode::Accelerated => "remesh = \"background\"\nparallel_tasks = true",
         }
@@ -215,6 +228,22 @@ impl Timing {
     /// A text of the summary; empty if it is not there.
     pub fn text(&self, key: &str) -> &str {
         self.0[key].as_str().unwrap_or_default()
+    }
+
+    /// Why the run did nothing on a GPU; `None` if it did.
+    pub fn without_gpu(&self) -> Option<String> {
+        let gpu = &self.0["gpu"];
+        let calls: u64 = ["syrk_calls", "gemm_calls", "potrf_calls", "trsm_calls"]
+            .iter()
+            .filter_map(|key| gpu[key].as_u64())
+            .sum();
+        let reason = || gpu["reason"].as_str().unwrap_or("the run asked for none").to_owned();
+        (calls == 0).then(reason)
+    }
+
+    /// Share of the factorization's operations that the GPU did (1).
+    pub fn gpu_share(&self) -> f64 {
+        self.0["gpu"]["share"].as_f64().unwrap_or(f64::NAN)
     }
 
     /// Cores that other programs kept busy just before, where the system told.

@@ -5,7 +5,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use dempfv::coupling::{Consolidation, Coupled, Outcome, Simulation, StageOutcome};
+use dempfv::coupling::{Consolidation, Coupled, GpuUse, Outcome, Simulation, StageOutcome};
+use dempfv::solver::SolverKind;
 use serde::{Serialize, Serializer};
 
 use super::remesh::Remesh;
@@ -56,6 +57,8 @@ pub struct Report {
     peak_memory_bytes: Option<u64>,
     threads: usize,
     solver: Option<&'static str>,
+    /// What became of the factorizations; `None` unless the solver asks for a GPU.
+    gpu: Option<GpuUse>,
     effects: Vec<&'static str>,
     versions: BTreeMap<&'static str, String>,
     state_hash: String,
@@ -102,6 +105,11 @@ impl Report {
             peak_memory_bytes: peak_memory(),
             threads,
             solver: plan.fluid.as_ref().map(|f| f.solver.name()),
+            gpu: plan
+                .fluid
+                .as_ref()
+                .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
+                .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
             versions: doctor::versions(),
             state_hash: simulation.state_hash(),
@@ -115,6 +123,28 @@ impl Report {
             Outcome::Consolidate(c) => Some(c),
             _ => None,
         })
+    }
+}
+
+/// What a GPU did, by its own counters, or why it did not.
+fn gpu_line(gpu: &GpuUse) -> String {
+    let mut parts = vec![];
+    if let Some(work) = &gpu.work {
+        parts.push(format!(
+            "{} factorizations on {} ({} calls, {:.0} % of the last one's operations)",
+            count(gpu.factorizations),
+            work.name,
+            count(work.calls()),
+            100.0 * work.share.min(1.0)
+        ));
+    }
+    if let Some(reason) = &gpu.reason {
+        parts.push(format!("{} on the CPU: {reason}", count(gpu.fallbacks)));
+    }
+    if parts.is_empty() {
+        "GPU: nothing was factored".to_owned()
+    } else {
+        format!("GPU: {}", parts.join("; "))
     }
 }
 
@@ -238,6 +268,9 @@ impl fmt::Display for Report {
         }
         if let Some(line) = self.remesh.as_ref().and_then(Remesh::line) {
             writeln!(f, "  {line}")?;
+        }
+        if let Some(gpu) = &self.gpu {
+            writeln!(f, "  {}", gpu_line(gpu))?;
         }
         if !self.finished {
             writeln!(

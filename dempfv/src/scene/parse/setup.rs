@@ -217,8 +217,6 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         None => (remesh_strain.is_none().then_some(200), false),
     };
     let clamp = table.get("clamp").map(|v| v.choice(&Clamp::ALL.map(|c| (c.name(), c))));
-    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
-    let solver = table.get("solver").map(|v| v.choice(&solvers));
     Ok(Fluid {
         viscosity: table.need_number("viscosity", "Pa·s", Bound::Positive)?,
         remesh_interval,
@@ -226,9 +224,31 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         acceleration: read_acceleration(&table, auto_interval)?,
         slip_walls: table.flag_or("slip_walls", true)?,
         clamp: clamp.transpose()?.unwrap_or_default(),
-        solver: solver.transpose()?.unwrap_or_default(),
+        solver: read_solver(&table)?,
         pressure: read_conditions(&table)?,
     })
+}
+
+fn read_solver(fluid: &Table) -> Result<SolverKind> {
+    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
+    let mut solver = match fluid.get("solver") {
+        Some(v) => v.choice(&solvers)?,
+        None => SolverKind::default(),
+    };
+    for (key, value) in
+        [("gpu_device", fluid.get("gpu_device")), ("gpu_memory", fluid.get("gpu_memory"))]
+    {
+        let Some(value) = value else { continue };
+        let SolverKind::CholmodGpu(options) = &mut solver else {
+            return Err(value
+                .error("is given, but the solver uses no GPU", "add `solver = \"cholmod-gpu\"`"));
+        };
+        match key {
+            "gpu_device" => options.device = value.count(0)? as u32,
+            _ => options.memory = Some(value.number("bytes", Bound::Positive)? as u64),
+        }
+    }
+    Ok(solver)
 }
 
 /// How networks are renewed; what the mode has no use for is an error.

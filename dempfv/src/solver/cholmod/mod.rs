@@ -1,13 +1,21 @@
 //! CHOLMOD of SuiteSparse (Chen, Davis, Hager and Rajamanickam 2008): LLᵀ by
-//! supernodes, ordered by METIS.
+//! supernodes, ordered by METIS. The largest parts may go to a GPU.
 
+mod accelerator;
+#[cfg(feature = "cuda")]
+mod gpu;
 mod raw;
 
 use std::sync::{Mutex, PoisonError};
 
-use super::{Analysis, Backend, Factor, SolverError, Symbolic, SymmetricCsc, blas, require_size};
+use super::{
+    Analysis, Backend, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc, blas,
+    require_size,
+};
+use accelerator::Accelerator;
 use raw::{Fault, Raw};
 
+/// In messages.
 const NAME: &str = "cholmod";
 
 /// METIS seeds and then draws from the C library's `rand`, which is the
@@ -27,7 +35,7 @@ pub struct Cholmod;
 
 impl Backend for Cholmod {
     fn name(&self) -> &'static str {
-        NAME
+        "cholmod"
     }
 
     fn analyze(
@@ -35,19 +43,54 @@ impl Backend for Cholmod {
         a: &SymmetricCsc,
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<Box<dyn Symbolic>, SolverError> {
-        a.validate()?;
-        if let Some(points) = coordinates {
-            require_size("the list of coordinates", a.n, points.len())?;
-        }
-        blas::choose_default();
-        // A panic in another analysis leaves nothing behind in METIS.
-        let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
-        let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
-        drop(guard);
-        let (nnz_l, flops) = raw.counts();
-        let analysis = Analysis { ordering: "metis", nnz_l: nnz_l as u64, flops };
-        Ok(Box::new(CholmodFactor { raw, n: a.n, pattern: a.pattern_hash(), analysis }))
+        analyze(a, coordinates, None)
     }
+}
+
+/// The CHOLMOD backend with its largest dense parts on an NVIDIA GPU (Rennich,
+/// Stosic and Davis 2016); solves are the CPU's. Whatever goes wrong with the
+/// GPU, the CPU does the work, and [`Factor::placement`] says why.
+///
+/// Factors of one device share its memory, which is kept until the process
+/// ends. A GPU rounds otherwise than a CPU, and what it gets to do depends on
+/// how busy it is: bits differ from run to run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CholmodGpu(pub GpuOptions);
+
+impl Backend for CholmodGpu {
+    fn name(&self) -> &'static str {
+        "cholmod-gpu"
+    }
+
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError> {
+        analyze(a, coordinates, Some(self.0))
+    }
+}
+
+fn analyze(
+    a: &SymmetricCsc,
+    coordinates: Option<&[[f64; 3]]>,
+    gpu: Option<GpuOptions>,
+) -> Result<Box<dyn Symbolic>, SolverError> {
+    a.validate()?;
+    if let Some(points) = coordinates {
+        require_size("the list of coordinates", a.n, points.len())?;
+    }
+    blas::choose_default();
+    // A panic in another analysis leaves nothing behind in METIS.
+    let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
+    let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
+    drop(guard);
+    let (nnz_l, flops) = raw.counts();
+    let analysis = Analysis { ordering: "metis", nnz_l: nnz_l as u64, flops };
+    let accelerator = gpu.map(Accelerator::new);
+    let placement = Placement::default();
+    let (n, pattern) = (a.n, a.pattern_hash());
+    Ok(Box::new(CholmodFactor { raw, n, pattern, analysis, accelerator, placement }))
 }
 
 /// CHOLMOD keeps the symbolic and the numeric factor in one object; the two
@@ -57,6 +100,8 @@ struct CholmodFactor {
     n: usize,
     pattern: u64,
     analysis: Analysis,
+    accelerator: Option<Accelerator>,
+    placement: Placement,
 }
 
 impl CholmodFactor {
@@ -65,7 +110,12 @@ impl CholmodFactor {
             return Err(SolverError::PatternChanged);
         }
         a.check_finite()?;
-        match self.raw.factorize(a) {
+        let (result, placement) = match &self.accelerator {
+            Some(accelerator) => accelerator.factorize(&mut self.raw, a),
+            None => (self.raw.factorize(a), Placement::Cpu),
+        };
+        self.placement = placement;
+        match result {
             Err(Fault::NotPositiveDefinite) => {
                 let column = self.raw.permutation()[self.raw.stopped_at()] as usize;
                 Err(SolverError::NotPositiveDefinite { column })
@@ -128,6 +178,10 @@ impl Factor for CholmodFactor {
 
     fn memory_bytes(&self) -> usize {
         self.raw.memory()
+    }
+
+    fn placement(&self) -> &Placement {
+        &self.placement
     }
 }
 

@@ -8,6 +8,11 @@ use cholmod_sys as sys;
 
 use super::super::SymmetricCsc;
 
+#[cfg(feature = "cuda")]
+mod gpu;
+#[cfg(feature = "cuda")]
+pub(super) use gpu::{BUFFER_UNIT, Calls, DEVICE_BUFFERS, Lendable};
+
 /// How a call to CHOLMOD failed.
 #[derive(Debug)]
 pub(super) enum Fault {
@@ -210,6 +215,8 @@ fn configure(common: &mut sys::cholmod_common) {
     common.supernodal_switch = SUPERNODAL_SWITCH;
     common.final_ll = 1;
     common.quick_return_if_not_posdef = 1;
+    // Else an environment variable may switch the GPU on.
+    common.useGPU = 0;
     // METIS does not survive a lack of memory everywhere; CHOLMOD tries
     // beforehand whether there is twice as much as METIS commonly needs.
     common.metis_memory = 2.0;

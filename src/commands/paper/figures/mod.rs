@@ -16,7 +16,7 @@ use crate::commands::Error;
 use crate::commands::paper::draw::Curve;
 
 pub use gain::gain;
-pub use speed::acceleration;
+pub use speed::{acceleration, interval};
 
 /// The figures of the paper that time something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -120,7 +120,7 @@ impl<'a> Device<'a> {
         match self {
             Device::OneCore => row.timing(Mode::OneCore),
             Device::AllCores => row.timing(Mode::AllCores),
-            Device::Gpu(name) => row.on_gpu(name),
+            Device::Gpu(name) => row.on_gpu(name).map(|on| &on.with_gpu),
         }
     }
 }
