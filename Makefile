@@ -24,7 +24,6 @@ BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
 WITH_CUDA := --locked --features cuda --target-dir target/cuda
-CUDA = $(firstword $(wildcard $(CUDA_PATH) $(CUDA_HOME) /usr/local/cuda cuda/toolkit/nvidia/cu13))
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
@@ -103,7 +102,8 @@ cuda: install-packages install-test-packages ## Build with GPU support: target/c
 # and one that is there is not used.
 cuda-test: install-packages install-test-packages
 	cholmod-sys/cuda/fetch.sh cuda
-	cholmod-sys/cuda/standin/build.sh $(CUDA)/include target/cuda/standin
+	cuda="$$(cholmod-sys/cuda/find.sh cuda)" && \
+		cholmod-sys/cuda/standin/build.sh "$$cuda/include" target/cuda/standin
 	cargo clippy --workspace --all-targets $(WITH_CUDA) -- -D warnings
 	DEMPFV_CUDA_LIBRARIES=$(CURDIR)/target/cuda/standin OPENBLAS_NUM_THREADS=1 \
 		cargo test $(WITH_CUDA) -p cholmod-sys -p dempfv -p dempfv-cli \

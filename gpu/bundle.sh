@@ -2,8 +2,8 @@
 # Packs a program with GPU support for another x86-64 Linux machine:
 # `bundle.sh PROGRAM FOLDER`. The folder then holds the program, the libraries
 # that it needs but for glibc and the driver, CUDA's runtime, the packings, and
-# bench-gpu, which measures. cuBLAS (1 GB) is left out unless BUNDLE_CUBLAS is 1:
-# most machines with a GPU have it.
+# bench-gpu, which measures. cuBLAS (1 GB) is left out unless BUNDLE_CUBLAS is 1: the
+# target then needs one of the same major version.
 set -euo pipefail
 top="$(cd "$(dirname "$0")/.." && pwd)"
 program="$1"
@@ -19,13 +19,23 @@ ldd "$program" | awk '$3 ~ /^\// { print $1, $3 }' | while read -r name path; do
     if [[ ! "$name" =~ $glibc ]]; then cp -L "$path" "$folder/bin/lib/$name"; fi
 done
 
-cuda="$top/cuda/toolkit/nvidia/cu13/lib"
-for installed in "${CUDA_PATH:-}" "${CUDA_HOME:-}" /usr/local/cuda; do
-    if [ -n "$installed" ] && [ -d "$installed/lib64" ]; then cuda="$installed/lib64"; fi
-done
-cp -L "$cuda"/libcudart.so.[0-9][0-9] "$folder/bin/lib/"
+# Of the version that it was built with; an installation has its libraries in lib64.
+cuda="$("$top/cholmod-sys/cuda/find.sh" "$top/cuda")"
+major="$(sed -n 's/^#define CUDART_VERSION *\([0-9]*\)[0-9]\{3\}.*/\1/p' "$cuda/include/cuda_runtime_api.h")"
+library() {
+    for place in "$cuda/lib64" "$cuda/lib"; do
+        if [ -e "$place/$1.so.$major" ]; then
+            cp -L "$place/$1.so.$major" "$folder/bin/lib/"
+            return
+        fi
+    done
+    echo "$1.so.$major is not in $cuda" >&2
+    exit 1
+}
+library libcudart
 if [ "${BUNDLE_CUBLAS:-0}" = 1 ]; then
-    cp -L "$cuda"/libcublas.so.[0-9][0-9] "$cuda"/libcublasLt.so.[0-9][0-9] "$folder/bin/lib/"
+    library libcublas
+    library libcublasLt
 fi
 
 cat > "$folder/dempfv" <<'LAUNCHER'

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Every function of CUDA, of its driver and of cuBLAS that CHOLMOD's way to a
 /// GPU takes.
-const FUNCTIONS: [&str; 33] = [
+const FUNCTIONS: [&str; 36] = [
     "cudaGetDeviceCount",
     "cudaGetDevice",
     "cudaSetDevice",
@@ -42,18 +42,23 @@ const FUNCTIONS: [&str; 33] = [
     "cublasDgemm_v2",
     "cublasDsyrk_v2",
     "cublasDtrsm_v2",
+    "cublasDestroy_v2",
     "cuModuleLoadData",
+    "cuModuleGetFunction",
+    "cuLaunchKernel",
 ];
 
 /// Without these a GPU works as well.
-const NEEDLESS: [&str; 7] = [
+const NEEDLESS: [&str; 9] = [
     "cudaDeviceGetAttribute",
     "cudaRuntimeGetVersion",
     "cudaDriverGetVersion",
+    "cudaGetLastError",
     "cudaFree",
     "cudaFreeHost",
     "cudaStreamDestroy",
     "cudaEventDestroy",
+    "cublasDestroy_v2",
 ];
 
 /// The seven-point Laplacian on a bar of m x m x l unknowns.

@@ -63,7 +63,7 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     let mut with_gpu = one_core.clone();
     let file = |with_gpu: &serde_json::Value| {
         let measured = serde_json::json!({
-            "name": "H1", "gpu": {}, "machine": "m", "day": "d", "with_gpu": with_gpu,
+            "name": "H1", "gpu": {}, "machine": "m", "day": "d", "with_gpu": with_gpu, "warm": { "analyze_s": 1.0, "factor_s": 0.5 },
             "one_core": one_core, "all_cores": { "analyze_s": 1.0, "factor_s": 1.0 }, "threads": 16,
         });
         folder.write("p/gpu/H1-1000.json", &measured.to_string());
@@ -72,7 +72,7 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     let refused = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(error(&refused).contains("H1-1000.json"), "{}", error(&refused));
-    with_gpu["gpu"] = serde_json::json!({ "syrk_calls": 5, "share": 0.5 });
+    with_gpu["gpu"] = serde_json::json!({ "syrk_calls": 5, "share": 0.5, "fallbacks": 0 });
     file(&with_gpu);
     let third = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert!(third.status.success(), "{}", error(&third));

@@ -14,6 +14,9 @@ use super::system;
 /// Oldest SuiteSparse that is taken: main and sub version.
 const OLDEST: (u32, u32) = (7, 7);
 
+/// Oldest CUDA that is taken, as it numbers itself: before it libraries had other names.
+const OLDEST_CUDA: u32 = 12_000;
+
 /// Architectures of GPUs that code is made for, where the compiler knows them;
 /// newer ones take the last one's portable code.
 const ARCHITECTURES: [u32; 6] = [70, 75, 80, 86, 89, 90];
@@ -104,7 +107,15 @@ impl Cuda {
                 looked.join(" or ")
             )
         })?;
-        println!("cargo::rerun-if-changed={}", folder.join("include/cuda_runtime.h").display());
+        let header = folder.join("include/cuda_runtime_api.h");
+        println!("cargo::rerun-if-changed={}", header.display());
+        let text = std::fs::read_to_string(&header).unwrap_or_default();
+        if defined(&text, "CUDART_VERSION").is_none_or(|version| version < OLDEST_CUDA) {
+            return Err(format!(
+                "{} is older than CUDA 12; run `make cuda` without it",
+                folder.display()
+            ));
+        }
         Ok(Cuda { nvcc: folder.join("bin/nvcc"), include: folder.join("include") })
     }
 
@@ -155,7 +166,8 @@ fn output(command: &mut Command) -> Result<String, String> {
         return Ok(String::from_utf8_lossy(&done.stdout).into_owned());
     }
     let errors = String::from_utf8_lossy(&done.stderr);
-    Err(format!("{name} fails: {}", errors.lines().next().unwrap_or("without a word")))
+    let telling = errors.lines().find(|line| line.contains("error")).or(errors.lines().next());
+    Err(format!("{name} fails: {}", telling.unwrap_or("without a word")))
 }
 
 /// A compilation of C as all of them are: optimized whatever the profile, for

@@ -7,7 +7,8 @@
 #   suitesparse  the sources of SuiteSparse, which a published crate carries
 #   toolkit      CUDA's compiler and headers, from NVIDIA's Python packages,
 #                unless there is a CUDA in CUDA_PATH, CUDA_HOME or
-#                /usr/local/cuda; with cuBLAS where there is a driver without it
+#                /usr/local/cuda; with cuBLAS where there is a driver without it,
+#                or BUNDLE_CUBLAS is 1
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 mkdir -p "$1"
@@ -31,20 +32,21 @@ install() {
         --require-hashes --only-binary :all: --target "$2" -r "$here/$1"
 }
 
-installed=
-for cuda in "${CUDA_PATH:-}" "${CUDA_HOME:-}" /usr/local/cuda; do
-    if [ -n "$cuda" ] && [ -x "$cuda/bin/nvcc" ]; then installed="$cuda"; fi
-done
-if [ -z "$installed" ] && [ ! -d "$folder/toolkit" ]; then
+if ! "$here/find.sh" "$folder" > /dev/null 2>&1 && [ -z "${CUDA_PATH:-${CUDA_HOME:-}}" ]; then
     echo "fetching CUDA's compiler and headers (100 MB)"
     install toolkit.txt "$work/toolkit"
     mv "$work/toolkit" "$folder/toolkit"
 fi
+"$here/find.sh" "$folder" > /dev/null
 
-known() { ldconfig -p 2> /dev/null | grep -q "$1"; }
-if [ -z "$installed" ] && known 'libcuda\.so\.1' && ! known 'libcublas\.so\.13' \
-    && [ ! -e "$folder/toolkit/nvidia/cu13/lib/libcublas.so.13" ]; then
-    echo "fetching cuBLAS (420 MB)"
-    install cublas.txt "$work/cublas"
-    cp -r "$work/cublas/nvidia/cu13/." "$folder/toolkit/nvidia/cu13/"
+# The loader's list is no program of everybody's path. (No -q: that would end the pipe.)
+known() { PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2> /dev/null | grep "$1" > /dev/null; }
+toolkit="$folder/toolkit/nvidia/cu13"
+if [ -d "$toolkit" ] && [ ! -e "$toolkit/lib/libcublas.so.13" ]; then
+    if [ "${BUNDLE_CUBLAS:-0}" = 1 ] \
+        || { known 'libcuda\.so\.1' && ! known 'libcublas\.so\.13'; }; then
+        echo "fetching cuBLAS (420 MB)"
+        install cublas.txt "$work/cublas"
+        cp -r "$work/cublas/nvidia/cu13/." "$toolkit/"
+    fi
 fi

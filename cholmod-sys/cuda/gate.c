@@ -42,6 +42,7 @@ static struct
     CUresult (*p_cuLaunchKernel) (CUfunction f, unsigned int gx, unsigned int gy, unsigned int gz,
         unsigned int bx, unsigned int by, unsigned int bz, unsigned int shared, CUstream s,
         void **parameters, void **extra) ;
+    cublasStatus_t (*p_cublasGetProperty) (int property, int *value) ;
     cublasStatus_t (*p_cublasCreate) (cublasHandle_t *handle) ;
     cublasStatus_t (*p_cublasDestroy) (cublasHandle_t handle) ;
     cublasStatus_t (*p_cublasSetStream) (cublasHandle_t handle, cudaStream_t s) ;
@@ -116,6 +117,7 @@ const char *gate_load (int library, const char *path)
             FIND_AS ("cublasDgemm_v2", cublasDgemm)
             FIND_AS ("cublasDsyrk_v2", cublasDsyrk)
             FIND_AS ("cublasDtrsm_v2", cublasDtrsm)
+            FIND_AS ("cublasGetProperty", cublasGetProperty)
     }
     if (!found)
     {
@@ -129,6 +131,16 @@ static int version (cudaError_t (*ask) (int *version))
 {
     int number = 0 ;
     return ask != NULL && ask (&number) == cudaSuccess ? number : 0 ;
+}
+
+int gate_blas_version (void)
+{
+    int major = 0, minor = 0, patch = 0 ;
+    if (cuda.p_cublasGetProperty == NULL) return 0 ;
+    cuda.p_cublasGetProperty (0, &major) ;
+    cuda.p_cublasGetProperty (1, &minor) ;
+    cuda.p_cublasGetProperty (2, &patch) ;
+    return major * 10000 + minor * 100 + patch ;
 }
 
 int gate_runtime_version (void)
@@ -190,7 +202,6 @@ void gate_read (gate_ledger *out)
     if (ledger.error == 0 && cuda.p_cudaDeviceSynchronize)
     {
         book_cuda ("cudaDeviceSynchronize", cuda.p_cudaDeviceSynchronize ()) ;
-        book_cuda ("cudaGetLastError", cuda.p_cudaGetLastError ()) ;
     }
     *out = ledger ;
 }
@@ -231,7 +242,12 @@ cudaError_t gate_cudaEventQuery (cudaEvent_t event)
 {
     if (ledger.error != 0 || cuda.p_cudaEventQuery == NULL) return cudaSuccess ;
     cudaError_t answer = cuda.p_cudaEventQuery (event) ;
-    if (answer == cudaErrorNotReady) return answer ;
+    if (answer == cudaErrorNotReady)
+    {
+        /* No error, but CUDA keeps it as its last one. */
+        cuda.p_cudaGetLastError () ;
+        return answer ;
+    }
     return book_cuda ("cudaEventQuery", answer) ;
 }
 
@@ -241,15 +257,55 @@ cudaError_t gate_cudaEventQuery (cudaEvent_t event)
 
 #define BLAS_CLOSED CUBLAS_STATUS_NOT_SUPPORTED
 
+/* CHOLMOD makes a handle for each factorization, which takes longer than a small
+ * one: handles that it gives back are kept for the next, by device. */
+#define DEVICES 64
+static cublasHandle_t idle [DEVICES] ;
+static pthread_mutex_t idle_lock = PTHREAD_MUTEX_INITIALIZER ;
+
+static int this_device (void)
+{
+    int device = -1 ;
+    if (cuda.p_cudaGetDevice (&device) != cudaSuccess || device >= DEVICES) device = -1 ;
+    return device ;
+}
+
 cublasStatus_t gate_cublasCreate (cublasHandle_t *handle)
 {
     if (ledger.error != 0 || cuda.p_cublasCreate == NULL) return BLAS_CLOSED ;
+    int device = this_device () ;
+    cublasHandle_t kept = NULL ;
+    if (device >= 0)
+    {
+        pthread_mutex_lock (&idle_lock) ;
+        kept = idle [device] ;
+        idle [device] = NULL ;
+        pthread_mutex_unlock (&idle_lock) ;
+    }
+    if (kept != NULL)
+    {
+        *handle = kept ;
+        return CUBLAS_STATUS_SUCCESS ;
+    }
     return book_blas ("cublasCreate", cuda.p_cublasCreate (handle)) ;
 }
 
 cublasStatus_t gate_cublasDestroy (cublasHandle_t handle)
 {
-    return cuda.p_cublasDestroy == NULL ? BLAS_CLOSED : cuda.p_cublasDestroy (handle) ;
+    if (cuda.p_cublasDestroy == NULL) return BLAS_CLOSED ;
+    int device = ledger.error == 0 ? this_device () : -1 ;
+    /* Its streams are destroyed next. */
+    if (device >= 0 && cuda.p_cublasSetStream (handle, NULL) == CUBLAS_STATUS_SUCCESS)
+    {
+        pthread_mutex_lock (&idle_lock) ;
+        if (idle [device] == NULL)
+        {
+            idle [device] = handle ;
+            handle = NULL ;
+        }
+        pthread_mutex_unlock (&idle_lock) ;
+    }
+    return handle == NULL ? CUBLAS_STATUS_SUCCESS : cuda.p_cublasDestroy (handle) ;
 }
 
 cublasStatus_t gate_cublasSetStream (cublasHandle_t handle, cudaStream_t stream)
@@ -363,6 +419,8 @@ int gate_allocate (void **device, size_t device_bytes, void **host, size_t host_
 
 void gate_release (void *device, void *host)
 {
+    /* After an error copies may still be under way. */
+    if (device != NULL || host != NULL) cuda.p_cudaDeviceSynchronize () ;
     if (device != NULL) cuda.p_cudaFree (device) ;
     if (host != NULL) cuda.p_cudaFreeHost (host) ;
 }
@@ -378,9 +436,6 @@ enum { CREATE_MAP, CREATE_RELATIVE_MAP, ADD_UPDATE, SUM_A, KERNELS } ;
 
 static const char *const kernel_names [KERNELS] =
     { "kernelCreateMap", "kernelCreateRelativeMap", "kernelAddUpdate", "kernelSumA" } ;
-
-/* Devices beyond these are not used. */
-#define DEVICES 64
 
 static struct { int loaded ; CUfunction function [KERNELS] ; } modules [DEVICES] ;
 static pthread_mutex_t modules_lock = PTHREAD_MUTEX_INITIALIZER ;

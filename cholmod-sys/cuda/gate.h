@@ -53,6 +53,8 @@ const char *gate_load (int library, const char *path) ;
  * unknown. */
 int gate_runtime_version (void) ;
 int gate_driver_version (void) ;
+/* That of cuBLAS as 10000 major + 100 minor + patch; 0 if unknown. */
+int gate_blas_version (void) ;
 
 void gate_reset (void) ;
 void gate_read (gate_ledger *ledger) ;

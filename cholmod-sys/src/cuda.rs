@@ -51,6 +51,7 @@ unsafe extern "C" {
     fn gate_load(library: c_int, path: *const c_char) -> *const c_char;
     fn gate_runtime_version() -> c_int;
     fn gate_driver_version() -> c_int;
+    fn gate_blas_version() -> c_int;
     fn gate_reset();
     fn gate_read(ledger: *mut Ledger);
     fn gate_devices() -> c_int;
@@ -91,6 +92,8 @@ pub struct Libraries {
     pub runtime: (i32, i32),
     /// Version of CUDA that the driver is made for, major and minor.
     pub driver: (i32, i32),
+    /// Version of cuBLAS: major, minor, patch.
+    pub blas: (i32, i32, i32),
 }
 
 /// Loads CUDA's libraries, once for the process.
@@ -102,16 +105,21 @@ pub fn libraries() -> Result<&'static Libraries, &'static str> {
     LOADED.get_or_init(load).as_ref().map_err(String::as_str)
 }
 
+/// The driver's library.
+const DRIVER: &str = "libcuda.so.1";
+
 fn load() -> Result<Libraries, String> {
     // SAFETY: the function has no arguments and no effect.
     let major = unsafe { gate_cuda_major() };
-    load_library(0, "libcuda.so.1", "there is no NVIDIA driver")?;
+    load_library(0, DRIVER, "there is no NVIDIA driver")?;
     load_library(1, &format!("libcudart.so.{major}"), &format!("CUDA {major} is not installed"))?;
     load_library(2, &format!("libcublas.so.{major}"), &format!("cuBLAS {major} is not installed"))?;
     // SAFETY: the functions have no arguments; the libraries are loaded.
-    let (runtime, driver) = unsafe { (gate_runtime_version(), gate_driver_version()) };
+    let (runtime, driver, blas) =
+        unsafe { (gate_runtime_version(), gate_driver_version(), gate_blas_version()) };
     let parts = |version: c_int| (version / 1000, version % 1000 / 10);
-    Ok(Libraries { runtime: parts(runtime), driver: parts(driver) })
+    let blas = (blas / 10000, blas / 100 % 100, blas % 100);
+    Ok(Libraries { runtime: parts(runtime), driver: parts(driver), blas })
 }
 
 /// Loads a library from the first place that has it.
@@ -137,7 +145,9 @@ fn load_library(library: c_int, name: &str, missing: &str) -> Result<(), String>
 /// Where a library may lie, the likeliest places first.
 fn candidates(name: &str) -> Vec<PathBuf> {
     if let Some(folder) = env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()) {
-        return vec![Path::new(&folder).join(name)];
+        let there = Path::new(&folder).join(name);
+        // The driver's library is never where CUDA's are.
+        return if name == DRIVER { vec![there, name.into()] } else { vec![there] };
     }
     // The bare name: where the system's loader looks.
     let mut paths = vec![PathBuf::from(name)];

@@ -2,40 +2,45 @@
 //! CUDA (see `solver_gpu.rs`). Alone in its process: it counts bytes.
 #![cfg(feature = "cuda")]
 
-mod solver_systems;
+use std::path::Path;
 
-use dempfv::solver::{Factor, GpuOptions, Placement, SolverKind, SymmetricCsc, gpus};
-use solver_systems::laplacian;
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
+use dempfv::scene::load_packing;
+use dempfv::solver::{GpuOptions, Placement, SolverKind, gpus};
+use dempfv::{Aabb, Vec3};
 
-fn factor(a: &SymmetricCsc) -> Box<dyn Factor> {
-    let kind = SolverKind::CholmodGpu(GpuOptions::default());
-    let factor = kind.backend().analyze(a, None).unwrap().factor(a).unwrap();
-    assert!(matches!(factor.placement(), Placement::Gpu(work) if work.calls() > 0));
-    factor
+/// The network of the spheres where they are, each a little aside in every round.
+fn network(position: &[Vec3], radius: &[f64], bounds: Aabb, round: u32) -> Flow {
+    let boundary = Boundary { pressure: [None, None, Some(1.0), Some(0.0), None, None] };
+    let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
+    let middle = bounds.min + 0.5 * (bounds.max - bounds.min);
+    let shrink = 1.0 - 1e-4 * f64::from(round % 7);
+    let moved: Vec<Vec3> = position.iter().map(|x| middle + shrink * (x - middle)).collect();
+    let solver = SolverKind::CholmodGpu(GpuOptions::default());
+    let flow = Flow::new(&moved, radius, bounds, &fluid, solver).unwrap();
+    assert!(matches!(flow.placement(), Placement::Gpu(work) if work.calls() > 0));
+    flow
 }
 
-fn solve(factor: &mut dyn Factor, a: &SymmetricCsc) {
-    let (b, mut x) = (vec![1.0; a.n], vec![0.0; a.n]);
-    assert!(factor.solve_checked(a, &b, &mut x).unwrap() < 1e-12);
-}
-
-/// Two factors, of which one is solved with while another thread makes the
-/// next, as with networks from the background; fifty of them, of two sizes.
-/// After the first few the device has as much free as at the end, to the byte,
-/// and the process no more than a part of one factor (40 MB) on top.
+/// Two networks, of which one is solved with while another thread makes the next,
+/// as in the background; fifty of them. After the first few the device has as
+/// much free as at the end, to the byte, and the process no more than a part of
+/// one network (30 MB) on top.
 #[test]
-fn fifty_factors_beside_another_leave_memory_as_it_was() {
-    let sizes = [laplacian(26), laplacian(25)];
-    let mut current = (factor(&sizes[0]), 0);
+fn fifty_remeshes_leave_memory_as_it_was() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../packings/oedometer-5000.txt");
+    let (packing, bounds) = load_packing(&file, None).unwrap();
+    let next = |round| network(&packing.position, &packing.radius, bounds, round);
+    let mut current = next(0);
     let free = || gpus().unwrap()[0].memory_free_bytes;
     let (mut device, mut host) = (0, 0);
     for round in 1..=50 {
-        let next = std::thread::scope(|scope| {
-            let next = scope.spawn(|| factor(&sizes[round % 2]));
-            solve(&mut *current.0, &sizes[current.1]);
+        current = std::thread::scope(|scope| {
+            let next = scope.spawn(|| next(round));
+            current.solve_static().unwrap();
+            assert!(current.residual().unwrap() < 1e-12);
             next.join().unwrap()
         });
-        current = (next, round % 2);
         if round == 10 {
             (device, host) = (free(), resident());
         }

@@ -71,7 +71,7 @@ pub fn run(_: &Args) -> Result<Report, Error> {
 fn gpu_line(gpu: &GpuInfo) -> String {
     format!(
         "{}: {}, {} ({} free), compute capability {}, {} multiprocessors{}; driver {} for CUDA {}, \
-         runtime {}",
+         runtime {}, cuBLAS {}",
         gpu.device,
         gpu.name,
         bytes(gpu.memory_bytes as f64),
@@ -81,7 +81,8 @@ fn gpu_line(gpu: &GpuInfo) -> String {
         gpu.clock_mhz.map_or(String::new(), |mhz| format!(" up to {mhz} MHz")),
         gpu.driver.as_deref().unwrap_or("of unknown version"),
         gpu.driver_cuda,
-        gpu.runtime_cuda
+        gpu.runtime_cuda,
+        gpu.cublas
     )
 }
 

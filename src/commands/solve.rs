@@ -29,6 +29,15 @@ pub struct Args {
     /// Solver to use; each one in turn if not given
     #[arg(long, value_name = "NAME", value_parser = parse_solver)]
     pub solver: Option<SolverKind>,
+
+    /// Number of the GPU, with `--solver cholmod-gpu`
+    #[arg(long, value_name = "N", requires = "solver")]
+    pub gpu_device: Option<u32>,
+
+    /// The most memory to take on the GPU (bytes), with `--solver cholmod-gpu`; 40 % of what is
+    /// free if not given
+    #[arg(long, value_name = "BYTES", requires = "solver")]
+    pub gpu_memory: Option<u64>,
 }
 
 fn parse_solver(name: &str) -> Result<SolverKind, UnknownSolver> {
@@ -82,7 +91,15 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let chosen = args.solver.as_slice();
     let built: Vec<SolverKind> =
         SolverKind::ALL.iter().copied().filter(|kind| kind.is_built()).collect();
-    let kinds = if chosen.is_empty() { &built } else { chosen };
+    let mut kinds = if chosen.is_empty() { built } else { chosen.to_vec() };
+    if args.gpu_device.is_some() || args.gpu_memory.is_some() {
+        let [SolverKind::CholmodGpu(options)] = kinds.as_mut_slice() else {
+            let what = "--gpu-device and --gpu-memory are for a solver that uses a GPU";
+            return Err(InputError::new(what, "give --solver cholmod-gpu").into());
+        };
+        options.device = args.gpu_device.unwrap_or(0);
+        options.memory = args.gpu_memory;
+    }
     let solvers = kinds
         .iter()
         .map(|&kind| measure(kind, &a, &b, known).map_err(|e| failed(e, kind, &args.matrix)))

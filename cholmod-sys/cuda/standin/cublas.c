@@ -21,6 +21,13 @@ static const char *part (cublasFillMode_t uplo)
     return uplo == CUBLAS_FILL_MODE_LOWER ? "L" : "U" ;
 }
 
+cublasStatus_t cublasGetProperty (int property, int *value)
+{
+    MAY_FAIL (cublasStatus_t) ;
+    *value = property == 0 ? CUDART_VERSION / 1000 : 0 ;
+    return CUBLAS_STATUS_SUCCESS ;
+}
+
 cublasStatus_t cublasCreate_v2 (cublasHandle_t *handle)
 {
     MAY_FAIL (cublasStatus_t) ;

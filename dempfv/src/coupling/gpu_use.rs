@@ -37,6 +37,7 @@ impl GpuUse {
                     potrf_calls: old.potrf_calls + new.potrf_calls,
                     trsm_calls: old.trsm_calls + new.trsm_calls,
                     flops: old.flops + new.flops,
+                    blas_calls: old.blas_calls + new.blas_calls,
                     bytes_to_device: old.bytes_to_device + new.bytes_to_device,
                     bytes_from_device: old.bytes_from_device + new.bytes_from_device,
                     ..new.clone()

@@ -23,6 +23,8 @@ pub struct GpuInfo {
     pub driver_cuda: String,
     /// Version of CUDA's runtime.
     pub runtime_cuda: String,
+    /// Version of cuBLAS.
+    pub cublas: String,
 }
 
 /// The GPUs that [`CholmodGpu`](super::CholmodGpu) could use.
@@ -38,10 +40,13 @@ pub fn gpus() -> Result<Vec<GpuInfo>, String> {
     let libraries = cuda::libraries()?;
     let version = |(major, minor): (i32, i32)| format!("{major}.{minor}");
     let driver = driver();
-    (0..count)
-        .map(|number| {
-            let device = cuda::use_device(number)?;
-            Ok(GpuInfo {
+    let (major, minor, patch) = libraries.blas;
+    let mut why = "CUDA finds no GPU".to_owned();
+    let found: Vec<GpuInfo> = (0..count)
+        .filter_map(|number| {
+            // One that another program keeps to itself hides no other.
+            let device = cuda::use_device(number).map_err(|reason| why = reason).ok()?;
+            Some(GpuInfo {
                 device: number,
                 name: device.name,
                 memory_bytes: device.memory,
@@ -52,9 +57,11 @@ pub fn gpus() -> Result<Vec<GpuInfo>, String> {
                 driver: driver.clone(),
                 driver_cuda: version(libraries.driver),
                 runtime_cuda: version(libraries.runtime),
+                cublas: format!("{major}.{minor}.{patch}"),
             })
         })
-        .collect()
+        .collect();
+    if found.is_empty() { Err(why) } else { Ok(found) }
 }
 
 /// The GPUs that [`CholmodGpu`](super::CholmodGpu) could use.

@@ -46,6 +46,8 @@ pub struct GpuWork {
     /// The same over those of the whole factorization (1); may exceed 1 by the
     /// zeros that supernodes hold.
     pub share: f64,
+    /// Calls of cuBLAS that went through; CHOLMOD counts some that it then skips.
+    pub blas_calls: u64,
     /// Bytes copied to the device.
     pub bytes_to_device: u64,
     /// Bytes copied from the device.

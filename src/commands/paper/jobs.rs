@@ -124,7 +124,10 @@ impl Jobs {
     /// # Errors
     /// When the system refuses.
     pub fn forget(&self, bench: &Bench) -> Result<(), Error> {
-        self.list.iter().try_for_each(|p| bench.forget(&format!("{}.json", p.job.point())))
+        self.list.iter().try_for_each(|p| match p.job {
+            Job::OnGpu(specimen) => gpu::forget(bench, &specimen),
+            _ => bench.forget(&format!("{}.json", p.job.point())),
+        })
     }
 
     /// Measures what is not known yet; says on a terminal how long all of it takes.
@@ -199,7 +202,7 @@ impl Job {
             Job::OnGpu(specimen) => {
                 let e = expected(&specimen, Mode::OneCore)?;
                 let steps = specimen.steps as f64 * specimen.repeats as f64;
-                Ok(Need { time: 3.0 * e.remesh + 2.0 * steps * e.step, memory: e.memory })
+                Ok(Need { time: 7.0 * e.remesh + 2.0 * steps * e.step, memory: e.memory })
             }
             Job::Run { specimen, mode } => {
                 let e = expected(&specimen, mode)?;

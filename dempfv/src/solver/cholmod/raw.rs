@@ -11,7 +11,7 @@ use super::super::SymmetricCsc;
 #[cfg(feature = "cuda")]
 mod gpu;
 #[cfg(feature = "cuda")]
-pub(super) use gpu::{BUFFER_UNIT, Calls, DEVICE_BUFFERS, Lendable};
+pub(super) use gpu::{BUFFER_UNIT, Calls, DEVICE_BUFFERS, HOST_BUFFERS, Lendable};
 
 /// How a call to CHOLMOD failed.
 #[derive(Debug)]

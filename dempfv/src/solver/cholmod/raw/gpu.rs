@@ -20,6 +20,11 @@ pub(in super::super) const HOST_BUFFERS: usize = 8;
 /// CHOLMOD rounds its buffers down to multiples of this (bytes).
 pub(in super::super) const BUFFER_UNIT: usize = 0x20000;
 
+/// Columns of a supernode, and rows below them, from which on CHOLMOD gives its
+/// updates to a GPU.
+const LEAST_COLUMNS: usize = 32;
+const LEAST_ROWS: usize = 256;
+
 /// Calls that CHOLMOD counted in one factorization.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in super::super) struct Calls {
@@ -116,8 +121,8 @@ impl Drop for Lendable {
 }
 
 impl Raw {
-    /// Bytes of a buffer in which every supernode has room; `None` where the
-    /// factor has no supernodes: a GPU is of no use then.
+    /// Bytes of a buffer in which every supernode has room; `None` where none is
+    /// large enough for CHOLMOD to give its updates to a GPU.
     pub(in super::super) fn buffer_need(&self) -> Option<usize> {
         // SAFETY: `l` is a valid factor, with the arrays that the manual
         // describes: `super` and `pi` have nsuper + 1 entries.
@@ -128,15 +133,20 @@ impl Raw {
             }
             let first: &[i64] = super::slice(l.super_, l.nsuper + 1);
             let rows: &[i64] = super::slice(l.pi, l.nsuper + 1);
-            let largest = (0..l.nsuper)
-                .map(|s| {
+            let sizes = || {
+                (0..l.nsuper).map(|s| {
                     let width = (first[s + 1] - first[s]) as usize;
-                    let height = (rows[s + 1] - rows[s]) as usize;
-                    // Blocks have up to 31 rows of padding.
-                    width * (height + 64)
+                    (width, (rows[s + 1] - rows[s]) as usize)
                 })
-                .max()
-                .unwrap_or(0);
+            };
+            let fits = |(width, height): (usize, usize)| {
+                width >= LEAST_COLUMNS && height - width >= LEAST_ROWS
+            };
+            if !sizes().any(fits) {
+                return None;
+            }
+            // Blocks have up to 31 rows of padding.
+            let largest = sizes().map(|(width, height)| width * (height + 64)).max().unwrap_or(0);
             // What gpu_init asks for, and where it sorts descendants.
             let maps = (l.ssize + 2 * l.n + 4) * size_of::<i64>();
             let scores = l.nsuper * 2 * size_of::<f64>();
