@@ -244,11 +244,18 @@ fn check(raw: &mut Raw, a: &SymmetricCsc) -> Result<(), String> {
             }
         }
     }
+    let worst = residual.iter().zip(&size).map(|(r, s)| r.abs() / s).fold(0.0, largest);
     // Not `>`: an error that is no number must not pass.
-    let wrong = residual.iter().zip(&size).find(|(r, s)| !(r.abs() <= ERROR_LIMIT * *s));
-    wrong.map_or(Ok(()), |(r, s)| {
-        Err(format!("its factor is wrong, with a backward error of {:.1e}", r.abs() / s))
-    })
+    if worst <= ERROR_LIMIT {
+        Ok(())
+    } else {
+        Err(format!("its factor is wrong, with a backward error of {worst:.1e}"))
+    }
+}
+
+/// The larger of two, or the one that is no number: `f64::max` would drop it.
+fn largest(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Memory of the host that may be pinned (bytes): half of what is available, where
