@@ -61,7 +61,7 @@ fn laplacian_is_solved_to_round_off() {
     let report = folder.0.join("report.json");
     let output = dempfv(&["solve", &matrix, "--json", report.to_str().unwrap()]);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).contains("cholmod   metis"));
+    assert!(text(&output.stdout).contains("cholmod     metis"));
 
     let report = json(&report);
     assert_eq!(report["unknowns"], 3375);
