@@ -42,7 +42,8 @@
 pub mod blas;
 mod cholmod;
 mod error;
-mod frontal;
+#[doc(hidden)]
+pub mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;

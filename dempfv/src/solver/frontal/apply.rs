@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::dense;
+use super::dense::{self, inline};
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
 use super::shape::{Shape, TILE};
@@ -28,8 +28,16 @@ impl Solve<'_> {
     /// Solves for right-hand sides that lie in the tasks' vectors, the rest of
     /// which is zero.
     pub fn run(&self, vectors: &mut [f32]) {
-        self.forward(&self.plan.roots, vectors, 0);
-        self.backward(&self.plan.roots, vectors, 0);
+        let both = |vectors: &mut [f32]| {
+            self.forward(&self.plan.roots, vectors, 0);
+            self.backward(&self.plan.roots, vectors, 0);
+        };
+        if self.plan.tasks.len() == 1 {
+            both(vectors);
+        } else {
+            // A thread from outside waits for the pool once, not for each task.
+            rayon::scope(|_| both(vectors));
+        }
     }
 
     fn entries_of(&self, tasks: &[u32]) -> usize {
@@ -77,7 +85,7 @@ impl Solve<'_> {
         let own = &mut own[..task.vector.len()];
         self.forward(&task.children, below, base);
         if task.subtree {
-            self.forward_subtree(task, own);
+            pulp::Arch::new().dispatch(Subtree::<true> { solve: self, task, own });
             return;
         }
         for &child in &task.children {
@@ -91,28 +99,29 @@ impl Solve<'_> {
         let s = task.own.start;
         let shape = self.pattern.shape(s);
         let (x, edge) = own.split_at_mut(shape.width);
-        let (l, inverse) = self.front(s);
+        let l = self.front(s);
         let shared = shape.len() >= SHARED;
-        forward_front(shape, l, inverse, x, &mut edge[..shape.edge], shared);
+        forward_front(shape, l, x, &mut edge[..shape.edge], shared);
     }
 
-    fn forward_subtree(&self, task: &Task, own: &mut [f32]) {
+    #[inline(always)]
+    fn forward_subtree<S: pulp::Simd>(&self, simd: S, task: &Task, own: &mut [f32]) {
         let pattern = self.pattern;
         let from = pattern.first[task.own.start];
         for s in task.own.clone() {
             let shape = pattern.shape(s);
-            let (l, inverse) = self.front(s);
+            let l = self.front(s);
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             if s + 1 == task.own.end {
                 // The last one's edge is the task's.
-                forward_front(shape, l, inverse, x, &mut rest[..shape.edge], false);
+                forward_alone(simd, shape, l, x, &mut rest[..shape.edge]);
                 continue;
             }
             let room = rest.len() - shape.edge;
             let (rest, edge) = rest.split_at_mut(room);
             edge.fill(0.0);
-            forward_front(shape, l, inverse, x, edge, false);
+            forward_alone(simd, shape, l, x, edge);
             for (&row, v) in self.local_of(s).iter().zip(&*edge) {
                 rest[row as usize] += v;
             }
@@ -127,14 +136,14 @@ impl Solve<'_> {
         let (below, own) = vectors.split_at_mut(task.vector.start - base);
         let own = &mut own[..task.vector.len()];
         if task.subtree {
-            self.backward_subtree(task, own);
+            pulp::Arch::new().dispatch(Subtree::<false> { solve: self, task, own });
             return;
         }
         let s = task.own.start;
         let shape = self.pattern.shape(s);
         let (x, edge) = own.split_at_mut(shape.width);
-        let (l, inverse) = self.front(s);
-        backward_front(shape, l, inverse, x, &edge[..shape.edge], shape.len() >= SHARED);
+        let l = self.front(s);
+        backward_front(shape, l, x, &edge[..shape.edge], shape.len() >= SHARED);
         for &child in &task.children {
             let child = &self.plan.tasks[child as usize];
             let (edge, map) = self.edge_of(child);
@@ -146,16 +155,17 @@ impl Solve<'_> {
         self.backward(&task.children, below, base);
     }
 
-    fn backward_subtree(&self, task: &Task, own: &mut [f32]) {
+    #[inline(always)]
+    fn backward_subtree<S: pulp::Simd>(&self, simd: S, task: &Task, own: &mut [f32]) {
         let pattern = self.pattern;
         let from = pattern.first[task.own.start];
         for s in task.own.clone().rev() {
             let shape = pattern.shape(s);
-            let (l, inverse) = self.front(s);
+            let l = self.front(s);
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             if s + 1 == task.own.end {
-                backward_front(shape, l, inverse, x, &rest[..shape.edge], false);
+                backward_alone(simd, shape, l, x, &rest[..shape.edge]);
                 continue;
             }
             let room = rest.len() - shape.edge;
@@ -163,7 +173,7 @@ impl Solve<'_> {
             for (&row, v) in self.local_of(s).iter().zip(edge.iter_mut()) {
                 *v = rest[row as usize];
             }
-            backward_front(shape, l, inverse, x, edge, false);
+            backward_alone(simd, shape, l, x, edge);
         }
     }
 
@@ -179,10 +189,64 @@ impl Solve<'_> {
         &self.plan.local[start[s]..start[s + 1]]
     }
 
-    fn front(&self, s: usize) -> (&[f32], &[f32]) {
-        let Pattern { start, first, .. } = self.pattern;
-        let columns = first[s] as usize..first[s + 1] as usize;
-        (&self.entries.l[start[s]..start[s + 1]], &self.entries.inverse[columns])
+    fn front(&self, s: usize) -> &[f32] {
+        let start = &self.pattern.start;
+        &self.entries.l[start[s]..start[s + 1]]
+    }
+}
+
+/// A subtree's part of a solve, compiled for the processor's vectors as a whole.
+struct Subtree<'a, const FORWARD: bool> {
+    solve: &'a Solve<'a>,
+    task: &'a Task,
+    own: &'a mut [f32],
+}
+
+impl<const FORWARD: bool> pulp::WithSimd for Subtree<'_, FORWARD> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        if FORWARD {
+            self.solve.forward_subtree(simd, self.task, self.own);
+        } else {
+            self.solve.backward_subtree(simd, self.task, self.own);
+        }
+    }
+}
+
+/// [`forward_front`] by one thread.
+#[inline(always)]
+fn forward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &mut [f32]) {
+    let mut at = 0;
+    for panel in 0..shape.panels() {
+        let (first, width) = (panel * TILE, shape.panel_width(panel));
+        let (own, later) = x[first..].split_at_mut(width);
+        inline::solve_lower(simd, own, &l[at..at + width * width]);
+        at += width * width;
+        for y in later.chunks_mut(TILE).chain(edge.chunks_mut(TILE)) {
+            let end = at + y.len() * width;
+            inline::subtract_times(simd, y, &l[at..end], y.len(), own);
+            at = end;
+        }
+    }
+}
+
+/// [`backward_front`] by one thread.
+#[inline(always)]
+fn backward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &[f32]) {
+    for panel in (0..shape.panels()).rev() {
+        let (first, width) = (panel * TILE, shape.panel_width(panel));
+        let start = shape.panel_start(panel);
+        let (own, later) = x[first..].split_at_mut(width);
+        let mut at = start + width * width;
+        for y in later.chunks(TILE).chain(edge.chunks(TILE)) {
+            let end = at + y.len() * width;
+            inline::subtract_transposed(simd, own, &l[at..end], y.len(), y);
+            at = end;
+        }
+        let diagonal = &l[start..start + width * width];
+        inline::solve_upper(simd, own, diagonal);
     }
 }
 
@@ -190,7 +254,6 @@ impl Solve<'_> {
 fn forward_front(
     shape: Shape,
     l: &[f32],
-    inverse: &[f32],
     x: &mut [f32],
     edge: &mut [f32],
     shared: bool,
@@ -199,7 +262,7 @@ fn forward_front(
         let (first, width) = (panel * TILE, shape.panel_width(panel));
         let l = &l[shape.panel_start(panel)..];
         let (own, later) = x[first..].split_at_mut(width);
-        dense::solve_lower(own, &l[..width * width], &inverse[first..first + width]);
+        dense::solve_lower(own, &l[..width * width]);
         let own = &*own;
         let tile = |row: usize, y: &mut [f32]| {
             let at = shape.tile_start(panel, row);
@@ -223,7 +286,6 @@ fn forward_front(
 fn backward_front(
     shape: Shape,
     l: &[f32],
-    inverse: &[f32],
     x: &mut [f32],
     edge: &[f32],
     shared: bool,
@@ -251,6 +313,6 @@ fn backward_front(
         } else {
             columns(0, own);
         }
-        dense::solve_upper(own, &l[..width * width], &inverse[first..first + width]);
+        dense::solve_upper(own, &l[..width * width]);
     }
 }

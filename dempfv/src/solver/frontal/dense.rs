@@ -180,49 +180,18 @@ pub fn subtract_times(y: &mut [f32], a: &[f32], x: &[f32]) {
     }
 }
 
-pub struct SubtractTimes<'a> {
-    pub y: &'a mut [f32],
-    pub a: &'a [f32],
-    pub x: &'a [f32],
+struct SubtractTimes<'a> {
+    y: &'a mut [f32],
+    a: &'a [f32],
+    x: &'a [f32],
 }
 
-impl pulp::NullaryFnOnce for SubtractTimes<'_> {
+impl pulp::WithSimd for SubtractTimes<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        let SubtractTimes { y, a, x } = self;
-        let rows = y.len();
-        let (eights, rest) = (x.chunks_exact(8), x.chunks_exact(8).remainder());
-        let mut at = 0;
-        for x in eights {
-            subtract_columns::<8>(y, &a[at..at + 8 * rows], x);
-            at += 8 * rows;
-        }
-        let fours = rest.chunks_exact(4);
-        let ones = fours.remainder();
-        for x in fours {
-            subtract_columns::<4>(y, &a[at..at + 4 * rows], x);
-            at += 4 * rows;
-        }
-        for x in ones {
-            subtract_columns::<1>(y, &a[at..at + rows], std::slice::from_ref(x));
-            at += rows;
-        }
-    }
-}
-
-#[inline(always)]
-fn subtract_columns<const N: usize>(y: &mut [f32], a: &[f32], x: &[f32]) {
-    let rows = y.len();
-    let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * rows..][..rows]);
-    let x: [f32; N] = std::array::from_fn(|k| x[k]);
-    for (i, y) in y.iter_mut().enumerate() {
-        let mut sum = 0.0;
-        for k in 0..N {
-            sum += columns[k][i] * x[k];
-        }
-        *y -= sum;
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        inline::subtract_times(simd, self.y, self.a, self.y.len(), self.x);
     }
 }
 
@@ -239,105 +208,243 @@ struct SubtractTransposed<'a> {
     y: &'a [f32],
 }
 
-impl pulp::NullaryFnOnce for SubtractTransposed<'_> {
+impl pulp::WithSimd for SubtractTransposed<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        let SubtractTransposed { x, a, y } = self;
-        let rows = y.len();
-        let mut at = 0;
-        let mut fours = x.chunks_exact_mut(4);
-        for x in &mut fours {
-            dots::<4>(x, &a[at..at + 4 * rows], y);
-            at += 4 * rows;
-        }
-        for x in fours.into_remainder() {
-            dots::<1>(std::slice::from_mut(x), &a[at..at + rows], y);
-            at += rows;
-        }
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        inline::subtract_transposed(simd, self.x, self.a, self.y.len(), self.y);
     }
 }
 
-#[inline(always)]
-fn dots<const N: usize>(x: &mut [f32], a: &[f32], y: &[f32]) {
-    let rows = y.len();
-    let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * rows..][..rows]);
-    let mut lanes = [[0.0f32; 16]; N];
-    let whole = rows / 16 * 16;
-    let mut i = 0;
-    while i < whole {
-        let v: &[f32] = &y[i..i + 16];
-        for k in 0..N {
-            let column: &[f32] = &columns[k][i..i + 16];
-            for lane in 0..16 {
-                lanes[k][lane] += column[lane] * v[lane];
-            }
-        }
-        i += 16;
-    }
-    for k in 0..N {
-        let mut sum = folded(lanes[k]);
-        for i in whole..rows {
-            sum += columns[k][i] * y[i];
-        }
-        x[k] -= sum;
-    }
-}
-
-/// x = L⁻¹ x for a packed lower triangle and the inverses of its diagonal.
-pub fn solve_lower(x: &mut [f32], l: &[f32], inverse: &[f32]) {
-    pulp::Arch::new().dispatch(SolveLower { x, l, inverse });
+/// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
+pub fn solve_lower(x: &mut [f32], l: &[f32]) {
+    pulp::Arch::new().dispatch(SolveLower { x, l });
 }
 
 struct SolveLower<'a> {
     x: &'a mut [f32],
     l: &'a [f32],
-    inverse: &'a [f32],
 }
 
-impl pulp::NullaryFnOnce for SolveLower<'_> {
+impl pulp::WithSimd for SolveLower<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        let SolveLower { x, l, inverse } = self;
-        let w = x.len();
-        for k in 0..w {
-            let (done, rest) = x.split_at_mut(k + 1);
-            done[k] *= inverse[k];
-            let factor = done[k];
-            for (y, l) in rest.iter_mut().zip(&l[k * w + k + 1..(k + 1) * w]) {
-                *y -= factor * *l;
-            }
-        }
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        inline::solve_lower(simd, self.x, self.l);
     }
 }
 
-/// x = L⁻ᵀ x for a packed lower triangle and the inverses of its diagonal.
-pub fn solve_upper(x: &mut [f32], l: &[f32], inverse: &[f32]) {
-    pulp::Arch::new().dispatch(SolveUpper { x, l, inverse });
+/// x = L⁻ᵀ x for a packed lower triangle whose strips are inverted.
+pub fn solve_upper(x: &mut [f32], l: &[f32]) {
+    pulp::Arch::new().dispatch(SolveUpper { x, l });
 }
 
 struct SolveUpper<'a> {
     x: &'a mut [f32],
     l: &'a [f32],
-    inverse: &'a [f32],
 }
 
-impl pulp::NullaryFnOnce for SolveUpper<'_> {
+impl pulp::WithSimd for SolveUpper<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        inline::solve_upper(simd, self.x, self.l);
+    }
+}
+
+/// Columns whose triangle on the diagonal is kept as its inverse.
+const STRIP: usize = 32;
+
+/// The loops themselves, for callers that were dispatched to a vector unit.
+pub mod inline {
+    use pulp::Simd;
+
+    use super::STRIP;
+
+    /// y = y - A x for columns that are `stride` apart.
+    #[inline(always)]
+    pub fn subtract_times<S: Simd>(simd: S, y: &mut [f32], a: &[f32], stride: usize, x: &[f32]) {
+        if y.is_empty() {
+            return;
+        }
+        let eights = x.chunks_exact(8);
+        let fours = eights.remainder().chunks_exact(4);
+        let ones = fours.remainder();
+        let mut at = 0;
+        for x in eights {
+            subtract_columns::<S, 8>(simd, y, &a[at..], stride, x);
+            at += 8 * stride;
+        }
+        for x in fours {
+            subtract_columns::<S, 4>(simd, y, &a[at..], stride, x);
+            at += 4 * stride;
+        }
+        for x in ones {
+            subtract_columns::<S, 1>(simd, y, &a[at..], stride, std::slice::from_ref(x));
+            at += stride;
+        }
+    }
+
+    #[inline(always)]
+    fn subtract_columns<S: Simd, const N: usize>(
+        simd: S,
+        y: &mut [f32],
+        a: &[f32],
+        stride: usize,
+        x: &[f32],
+    ) {
+        let rows = y.len();
+        let whole = rows / S::F32_LANES * S::F32_LANES;
+        let mut x_of = [simd.splat_f32s(0.0); N];
+        for (v, &x) in x_of.iter_mut().zip(x) {
+            *v = simd.splat_f32s(x);
+        }
+        let columns = &a[..(N - 1) * stride + rows];
+        let mut i = 0;
+        while i < whole {
+            let y = &mut y[i..i + S::F32_LANES];
+            let mut sum = simd.partial_load_f32s(y);
+            for (k, &x) in x_of.iter().enumerate() {
+                let from = k * stride + i;
+                let column = S::as_simd_f32s(&columns[from..from + S::F32_LANES]).0[0];
+                sum = simd.negate_mul_add_e_f32s(column, x, sum);
+            }
+            S::as_mut_simd_f32s(y).0[0] = sum;
+            i += S::F32_LANES;
+        }
+        if whole < rows {
+            let y = &mut y[whole..];
+            let mut sum = simd.partial_load_f32s(y);
+            for (k, &x) in x_of.iter().enumerate() {
+                let column = &columns[k * stride + whole..k * stride + rows];
+                sum = simd.negate_mul_add_e_f32s(simd.partial_load_f32s(column), x, sum);
+            }
+            simd.partial_store_f32s(y, sum);
+        }
+    }
+
+    /// x = x - Aᵀ y for columns that are `stride` apart.
+    #[inline(always)]
+    pub fn subtract_transposed<S: Simd>(
+        simd: S,
+        x: &mut [f32],
+        a: &[f32],
+        stride: usize,
+        y: &[f32],
+    ) {
+        if y.is_empty() {
+            return;
+        }
+        let mut at = 0;
+        let mut fours = x.chunks_exact_mut(4);
+        for x in &mut fours {
+            dots::<S, 4>(simd, x, &a[at..], stride, y);
+            at += 4 * stride;
+        }
+        for x in fours.into_remainder() {
+            dots::<S, 1>(simd, std::slice::from_mut(x), &a[at..], stride, y);
+            at += stride;
+        }
+    }
+
+    #[inline(always)]
+    fn dots<S: Simd, const N: usize>(simd: S, x: &mut [f32], a: &[f32], stride: usize, y: &[f32]) {
+        let rows = y.len();
+        let whole = rows / S::F32_LANES * S::F32_LANES;
+        let columns = &a[..(N - 1) * stride + rows];
+        let mut sums = [simd.splat_f32s(0.0); N];
+        let mut i = 0;
+        while i < whole {
+            let v = S::as_simd_f32s(&y[i..i + S::F32_LANES]).0[0];
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let from = k * stride + i;
+                let column = S::as_simd_f32s(&columns[from..from + S::F32_LANES]).0[0];
+                *sum = simd.mul_add_e_f32s(column, v, *sum);
+            }
+            i += S::F32_LANES;
+        }
+        if whole < rows {
+            let v = simd.partial_load_f32s(&y[whole..]);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let column = &columns[k * stride + whole..k * stride + rows];
+                *sum = simd.mul_add_e_f32s(simd.partial_load_f32s(column), v, *sum);
+            }
+        }
+        for (x, sum) in x.iter_mut().zip(sums) {
+            *x -= simd.reduce_sum_f32s(sum);
+        }
+    }
+
+    /// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
+    #[inline(always)]
+    pub fn solve_lower<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
+        let w = x.len();
+        for from in (0..w).step_by(STRIP) {
+            let to = (from + STRIP).min(w);
+            let (own, rest) = x[from..].split_at_mut(to - from);
+            let mut solved = [0.0; STRIP];
+            let solved = &mut solved[..to - from];
+            subtract_times(simd, solved, &l[from * w + from..], w, own);
+            own.iter_mut().zip(&*solved).for_each(|(x, v)| *x = -v);
+            subtract_times(simd, rest, &l[(from * w + to).min(l.len())..], w, own);
+        }
+    }
+
+    /// x = L⁻ᵀ x for a packed lower triangle whose strips are inverted.
+    #[inline(always)]
+    pub fn solve_upper<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
+        let w = x.len();
+        for from in (0..w).step_by(STRIP).rev() {
+            let to = (from + STRIP).min(w);
+            let (own, rest) = x[from..].split_at_mut(to - from);
+            subtract_transposed(simd, own, &l[(from * w + to).min(l.len())..], w, rest);
+            let mut solved = [0.0; STRIP];
+            let solved = &mut solved[..to - from];
+            subtract_transposed(simd, solved, &l[from * w + from..], w, own);
+            own.iter_mut().zip(&*solved).for_each(|(x, v)| *x = -v);
+        }
+    }
+}
+
+/// Replaces the triangles of strips on the diagonal of a packed lower triangle
+/// (w by w) by their inverses, and what is above the diagonal there by zero.
+/// What cannot cancel in the factor cannot in the inverses.
+pub fn invert_strips(t: &mut [f32], w: usize) {
+    pulp::Arch::new().dispatch(InvertStrips { t, w });
+}
+
+struct InvertStrips<'a> {
+    t: &'a mut [f32],
+    w: usize,
+}
+
+impl pulp::NullaryFnOnce for InvertStrips<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let SolveUpper { x, l, inverse } = self;
-        let w = x.len();
-        for k in (0..w).rev() {
-            let (before, after) = x.split_at_mut(k + 1);
-            if !after.is_empty() {
-                dots::<1>(&mut before[k..], &l[k * w + k + 1..(k + 1) * w], after);
+        let InvertStrips { t, w } = self;
+        for from in (0..w).step_by(STRIP) {
+            let size = STRIP.min(w - from);
+            let mut inverse = [[0.0f32; STRIP]; STRIP];
+            for (j, column) in inverse.iter_mut().enumerate().take(size) {
+                column[j] = 1.0;
+                for k in j..size {
+                    let l = &t[(from + k) * w + from..][..size];
+                    let (done, rest) = column[..size].split_at_mut(k + 1);
+                    done[k] /= l[k];
+                    let factor = done[k];
+                    for (x, l) in rest.iter_mut().zip(&l[k + 1..]) {
+                        *x -= factor * *l;
+                    }
+                }
             }
-            before[k] *= inverse[k];
+            for (j, column) in inverse.iter().enumerate().take(size) {
+                t[(from + j) * w + from..][..size].copy_from_slice(&column[..size]);
+            }
         }
     }
 }
@@ -384,9 +491,6 @@ pub fn factor_diagonal(
 fn rest_of(rest: &mut [f32], from: usize, to: usize) -> &mut [f32] {
     &mut rest[from..to]
 }
-
-/// Columns of a diagonal tile that are factored one by one.
-const STRIP: usize = 32;
 
 struct Strip<'a> {
     t: &'a mut [f32],

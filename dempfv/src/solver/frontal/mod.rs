@@ -25,6 +25,7 @@ mod dense;
 mod numeric;
 mod plan;
 mod shape;
+mod supernodes;
 mod symbolic;
 mod system;
 mod tree;
@@ -252,4 +253,25 @@ impl Factor for FrontalFactor {
     fn placement(&self) -> &Placement {
         &Placement::Cpu
     }
+}
+#[doc(hidden)]
+pub fn zz_stats(a: &SymmetricCsc) {
+    let order = cholmod::metis_order(a).unwrap();
+    let t = std::time::Instant::now();
+    let pattern = Pattern::new(a, order);
+    let t1 = t.elapsed();
+    let plan = Plan::new(&pattern);
+    println!("pattern {:?} plan {:?}", t1, t.elapsed() - t1);
+    let ns = pattern.supernodes();
+    let mut hist = [[0usize; 4]; 12];
+    for s in 0..ns {
+        let sh = pattern.shape(s);
+        let k = (sh.width as f64).log2().ceil() as usize;
+        hist[k][0] += 1;
+        hist[k][1] += sh.len();
+        hist[k][2] += sh.edge;
+        hist[k][3] += sh.width;
+    }
+    println!("supernodes {ns} stored {} nnz {} tasks {} vectors {} edges {}", pattern.start[ns], pattern.nnz_l, plan.tasks.len(), plan.vectors, pattern.rows.items.len());
+    for (k, h) in hist.iter().enumerate() { if h[0] > 0 { println!("width <= {}: {} supernodes, {} entries, mean edge {}, columns {}", 1 << k, h[0], h[1], h[2] / h[0], h[3]); } }
 }

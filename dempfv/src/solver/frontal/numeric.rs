@@ -233,14 +233,15 @@ fn eliminate(
     }
     let inverse = &mut inverse[first..first + width];
     dense::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
-    let (diagonal, inverse) = (&*diagonal, &*inverse);
+    let (triangle, inverse) = (&*diagonal, &*inverse);
     each(tiles_below(shape, panel, below), shared, |(_, rows, tile)| {
-        dense::solve_right(tile, rows, diagonal, width, inverse);
+        dense::solve_right(tile, rows, triangle, width, inverse);
     });
+    dense::invert_strips(diagonal, width);
 
     // The excess of a row grows by its part of those that it is relieved of.
     let (own, later) = excess[first..].split_at_mut(width);
-    dense::solve_lower(own, diagonal, inverse);
+    dense::solve_lower(own, diagonal);
     for (row, rows, tile) in tiles_below(shape, panel, below) {
         let at = row - first - width;
         dense::subtract_times(&mut later[at..at + rows], tile, own);

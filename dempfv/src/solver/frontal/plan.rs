@@ -7,11 +7,11 @@ use std::ops::Range;
 use super::NONE;
 use super::symbolic::Pattern;
 
-/// A subtree of fewer entries of the factor is one task: so much that the
-/// hand-over to another thread is lost in it.
-const SMALL: usize = 1 << 17;
+/// A factor of fewer entries is worked through by one thread: it is done before
+/// another has woken up.
+const SMALL: usize = 1 << 19;
 
-/// A larger matrix is cut into about so many subtrees.
+/// A larger one is cut into subtrees of about this part of it.
 const PARTS: usize = 48;
 
 /// Chains of fronts are followed by recursion, which the stack must bear.
@@ -50,7 +50,7 @@ pub struct Plan {
 impl Plan {
     pub fn new(pattern: &Pattern) -> Plan {
         let total = pattern.start[pattern.supernodes()];
-        let small = SMALL.max(total / PARTS);
+        let small = if total <= SMALL { usize::MAX } else { total / PARTS };
         let plan = Plan::cut(pattern, small);
         if plan.depth() <= DEEPEST { plan } else { Plan::cut(pattern, usize::MAX) }
     }

@@ -4,12 +4,9 @@ use rayon::prelude::*;
 
 use super::NONE;
 use super::shape::Shape;
+use super::supernodes::Supernodes;
 use super::tree::{self, Lists};
 use crate::solver::SymmetricCsc;
-
-/// Columns that share a front, in groups of at most so many: merged with their
-/// parent where the zeros that this adds are no more than the share beside it.
-const MERGE: [(usize, f64); 4] = [(8, 1.0), (16, 0.6), (48, 0.15), (usize::MAX, 0.05)];
 
 /// The pattern of the factor, and the plan of the factorization.
 pub struct Pattern {
@@ -64,22 +61,19 @@ impl Pattern {
         let place = inverse(&order);
         let parent = relabelled(&parent, &post);
 
-        let (columns, source) = tree::columns(a, &place);
-        let counts = tree::counts(&columns, &parent);
-        let first = supernodes(&parent, &counts);
-        let count = first.len() - 1;
+        let counts = tree::counts(&tree::columns(a, &place).0, &parent);
+        let nnz_l = counts.iter().map(|&c| u64::from(c)).sum();
+        let flops = counts.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
+        let Supernodes { first, above, edge, columns } = Supernodes::new(&parent, &counts);
+        let order: Vec<u32> = columns.iter().map(|&k| order[k as usize]).collect();
+        let place = inverse(&order);
+        let count = above.len();
         let mut owner = vec![0u32; n];
         for s in 0..count {
             owner[first[s] as usize..first[s + 1] as usize].fill(s as u32);
         }
-        let last = |s: usize| first[s + 1] as usize - 1;
-        let above: Vec<u32> = (0..count)
-            .map(|s| match parent[last(s)] {
-                NONE => NONE,
-                column => owner[column as usize],
-            })
-            .collect();
-        let rows = front_rows(&tree::rows(a, &place), &first, &above, &owner, &counts);
+        let (columns, source) = tree::columns(a, &place);
+        let rows = front_rows(&tree::rows(a, &place), &edge, &above, &owner);
         let shape = |s: usize| Shape {
             width: (first[s + 1] - first[s]) as usize,
             edge: rows.start[s + 1] - rows.start[s],
@@ -88,8 +82,6 @@ impl Pattern {
         for s in 0..count {
             start[s + 1] = start[s] + shape(s).len();
         }
-        let nnz_l = counts.iter().map(|&c| u64::from(c)).sum();
-        let flops = counts.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
         let target = targets(&columns, &first, &owner, &rows, &shape);
         let map = parent_rows(&first, &above, &rows);
         let entries = Entries { column_start: columns.start, source, target };
@@ -158,65 +150,13 @@ fn relabelled(parent: &[u32], post: &[u32]) -> Vec<u32> {
         .collect()
 }
 
-/// Groups columns of one pattern, and then chains of groups where few zeros
-/// are added; returns the first column of each, and n.
-fn supernodes(parent: &[u32], counts: &[u32]) -> Vec<u32> {
-    let n = parent.len();
-    let mut first: Vec<u32> = (0..n)
-        .filter(|&j| {
-            j == 0 || parent[j - 1] as usize != j || counts[j - 1] != counts[j] + 1
-        })
-        .map(|j| j as u32)
-        .collect();
-    first.push(n as u32);
-
-    // From the last to the first: each is joined with what its parent has
-    // become, if that follows it in the order.
-    struct Group {
-        first: usize,
-        width: usize,
-        zeros: f64,
-    }
-    let mut groups: Vec<Group> = Vec::new();
-    for s in (0..first.len() - 1).rev() {
-        let (from, to) = (first[s] as usize, first[s + 1] as usize);
-        let mut group = Group { first: from, width: to - from, zeros: 0.0 };
-        if let Some(next) = groups.last()
-            && parent[to - 1] as usize == to
-        {
-            let (a, b) = (group.width as f64, next.width as f64);
-            let (height, above) = (f64::from(counts[from]), f64::from(counts[next.first]));
-            let zeros = next.zeros + a * (a + above - height);
-            let width = group.width + next.width;
-            let (all, edge) = (a + b, above - b);
-            let total = all * (all + 1.0) / 2.0 + all * edge;
-            let limit = MERGE.iter().find(|m| width <= m.0).map_or(0.0, |m| m.1);
-            if zeros <= limit * total {
-                group.width = width;
-                group.zeros = zeros;
-                groups.pop();
-            }
-        }
-        groups.push(group);
-    }
-    let mut first: Vec<u32> = groups.iter().rev().map(|g| g.first as u32).collect();
-    first.push(n as u32);
-    first
-}
-
 /// The rows of each front below its columns, ascending: row by row, each climbs
 /// from the columns that have it in the matrix.
-fn front_rows(
-    matrix_rows: &Lists,
-    first: &[u32],
-    above: &[u32],
-    owner: &[u32],
-    counts: &[u32],
-) -> Fronts {
+fn front_rows(matrix_rows: &Lists, edge: &[u32], above: &[u32], owner: &[u32]) -> Fronts {
     let supernodes = above.len();
     let mut start = vec![0usize; supernodes + 1];
     for s in 0..supernodes {
-        start[s + 1] = start[s] + counts[first[s + 1] as usize - 1] as usize - 1;
+        start[s + 1] = start[s] + edge[s] as usize;
     }
     let mut next = start.clone();
     let mut items = vec![0u32; start[supernodes]];
