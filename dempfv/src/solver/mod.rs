@@ -47,6 +47,7 @@ pub mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;
+pub mod ordering;
 mod placement;
 
 pub use cholmod::{Cholmod, CholmodGpu};
