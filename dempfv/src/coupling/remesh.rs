@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stability::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::BuildTimes;
+use crate::pfv::{BuildTimes, Course};
 use crate::{Aabb, Vec3};
 
 /// When the pore network is built anew: whichever comes first.
@@ -47,8 +47,8 @@ pub struct FluidState {
     /// Change of each pore's volume since the snapshot (m³); empty without the
     /// strain rule.
     pub(super) volume_change: Vec<f64>,
-    /// Unknown pressures that the next solve goes on from (Pa).
-    pub(super) solution: Vec<f64>,
+    /// The pressures that the next solve goes on from.
+    pub(super) course: Course,
     /// What the next network is being built from.
     pub(super) pending: Option<Snapshot>,
     /// What bounds the automatic time step, as far as it is known.

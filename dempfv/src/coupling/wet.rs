@@ -80,7 +80,7 @@ impl Wet {
 
     /// What a checkpoint needs after so many steps, but for what is on its way.
     pub fn saved(&self, step: u64) -> FluidState {
-        FluidState { step, solution: self.flow.solution().to_vec(), ..self.state.clone() }
+        FluidState { step, course: self.flow.course().clone(), ..self.state.clone() }
     }
 
     /// How far the pores have come towards the limit of their strain: 1 where

@@ -12,6 +12,7 @@
 mod build;
 mod carry;
 mod clamp;
+mod course;
 mod error;
 mod flow;
 mod fluid;
@@ -31,6 +32,7 @@ mod viscous;
 pub use build::{Analyzed, Assembled, BuildTimes, Spare};
 pub use carry::Carried;
 pub use clamp::Clamp;
+pub use course::Course;
 pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};

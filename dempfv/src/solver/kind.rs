@@ -19,10 +19,10 @@ use super::{Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
 #[serde(rename_all = "snake_case")]
 pub enum SolverKind {
     /// Supernodal Cholesky factorization by SuiteSparse's CHOLMOD.
-    #[default]
     Cholmod,
     /// Multifrontal factorization in single precision without cancellation,
     /// for the matrices of networks, on all threads.
+    #[default]
     Frontal,
     /// CHOLMOD with its largest parts on an NVIDIA GPU, as far as there is one
     /// and this build has the feature `cuda`; else on the CPU.

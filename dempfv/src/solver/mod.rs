@@ -42,8 +42,7 @@
 pub mod blas;
 mod cholmod;
 mod error;
-#[doc(hidden)]
-pub mod frontal;
+mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;
@@ -125,6 +124,21 @@ pub trait Factor: Send {
     /// As [`Factor::solve`].
     fn correct(&mut self, r: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
         self.solve(r, x)
+    }
+
+    /// [`Factor::correct`] for the first time after a factorization: checks the
+    /// correction too. Returns the residual that [`Factor::solve`] leaves, as
+    /// [`Factor::solve_checked`].
+    ///
+    /// # Errors
+    /// As [`Factor::solve_checked`].
+    fn correct_checked(
+        &mut self,
+        a: &SymmetricCsc,
+        r: &[f64],
+        x: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        self.solve_checked(a, r, x)
     }
 
     /// Factors another matrix of the same pattern, in the memory of this

@@ -32,7 +32,7 @@ mod tree;
 
 use super::{
     Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
-    require_size,
+    ordering, require_size,
 };
 use apply::Solve;
 use numeric::{Entries, Factorization, Stopped};
@@ -54,6 +54,9 @@ const PIVOT_LIMIT: f64 = 1e-14;
 /// solution that ends it.
 const CORRECTIONS: usize = 8;
 const SETTLED: f64 = 1e-11;
+
+/// Largest residual of one correction. A sound factor leaves some 10⁻⁸.
+const CORRECTION_LIMIT: f64 = 1e-5;
 
 /// The multifrontal backend, for diagonally dominant matrices without positive
 /// entries off the diagonal.
@@ -78,11 +81,16 @@ impl Backend for Frontal {
             require_size("the list of coordinates", a.n, points.len())?;
         }
         blas::choose_default();
-        let order = cholmod::metis_order(a)?;
+        let (ordering, order) = match coordinates {
+            Some(points) => {
+                let order = ordering::order(a, points);
+                ("cuts", order.into_iter().map(|k| k as u32).collect())
+            }
+            None => ("metis", cholmod::metis_order(a)?),
+        };
         let pattern = Pattern::new(a, order);
         let plan = Plan::new(&pattern);
-        let analysis =
-            Analysis { ordering: "metis", nnz_l: pattern.nnz_l, flops: pattern.flops };
+        let analysis = Analysis { ordering, nnz_l: pattern.nnz_l, flops: pattern.flops };
         let hash = a.pattern_hash();
         Ok(Box::new(Analyzed { pattern, plan, analysis, hash }))
     }
@@ -236,6 +244,22 @@ impl Factor for FrontalFactor {
         Ok(())
     }
 
+    fn correct_checked(
+        &mut self,
+        a: &SymmetricCsc,
+        r: &[f64],
+        x: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        let residual = self.solve_checked(a, r, x)?;
+        self.correct(r, x)?;
+        let rough = a.residual(r, x);
+        if rough <= CORRECTION_LIMIT {
+            Ok(residual)
+        } else {
+            Err(SolverError::ResidualTooLarge { residual: rough, limit: CORRECTION_LIMIT })
+        }
+    }
+
     fn refactor(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
         self.factorize(a)?;
         Ok(self)
@@ -253,25 +277,4 @@ impl Factor for FrontalFactor {
     fn placement(&self) -> &Placement {
         &Placement::Cpu
     }
-}
-#[doc(hidden)]
-pub fn zz_stats(a: &SymmetricCsc) {
-    let order = cholmod::metis_order(a).unwrap();
-    let t = std::time::Instant::now();
-    let pattern = Pattern::new(a, order);
-    let t1 = t.elapsed();
-    let plan = Plan::new(&pattern);
-    println!("pattern {:?} plan {:?}", t1, t.elapsed() - t1);
-    let ns = pattern.supernodes();
-    let mut hist = [[0usize; 4]; 12];
-    for s in 0..ns {
-        let sh = pattern.shape(s);
-        let k = (sh.width as f64).log2().ceil() as usize;
-        hist[k][0] += 1;
-        hist[k][1] += sh.len();
-        hist[k][2] += sh.edge;
-        hist[k][3] += sh.width;
-    }
-    println!("supernodes {ns} stored {} nnz {} tasks {} vectors {} edges {}", pattern.start[ns], pattern.nnz_l, plan.tasks.len(), plan.vectors, pattern.rows.items.len());
-    for (k, h) in hist.iter().enumerate() { if h[0] > 0 { println!("width <= {}: {} supernodes, {} entries, mean edge {}, columns {}", 1 << k, h[0], h[1], h[2] / h[0], h[3]); } }
 }
