@@ -10,10 +10,10 @@ use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
 use super::stability;
-use super::wet::{Motion, Wet};
+use super::wet::{Motion, Place, Wet};
 use crate::dem::{Dem, DemError, WallControl};
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
-use crate::scene::Acceleration;
+use crate::scene::{Acceleration, Update};
 use crate::solver::SolverKind;
 use crate::{Result, Vec3};
 
@@ -44,8 +44,15 @@ pub struct Coupled {
     largest_residual: f64,
     largest_imbalance: f64,
     phases: Phases,
-    /// Scratch: the velocities that the fluid reads beside the contacts.
+    beside: Beside,
+}
+
+/// Scratch: what the fluid reads beside the contacts.
+#[derive(Default)]
+struct Beside {
     velocity: Vec<Vec3>,
+    position: Vec<Vec3>,
+    radius: Vec<f64>,
 }
 
 impl Coupled {
@@ -60,7 +67,7 @@ impl Coupled {
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             phases: Phases::default(),
-            velocity: vec![],
+            beside: Beside::default(),
         }
     }
 
@@ -103,7 +110,7 @@ impl Coupled {
             && self.networks.is_idle(&saturation.remesh);
         if beside {
             self.networks.begin_step();
-            self.contacts_beside_fluid(dt)?;
+            self.contacts_beside_fluid(dt, &saturation.fluid)?;
         } else {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
@@ -114,8 +121,17 @@ impl Coupled {
             start += before.elapsed();
             let Coupled { dem, phases, networks, .. } = self;
             if let Some(wet) = &mut networks.current {
-                let velocity = &dem.particles().velocity;
-                wet.advance(&motion(dem, velocity, dt), phases)?;
+                let particles = dem.particles();
+                let mut motion = motion(dem, &particles.velocity, dt);
+                if networks.acceleration.update == Update::EveryStep {
+                    motion.place = Some(Place {
+                        position: &particles.position,
+                        radius: &particles.radius,
+                        bounds: dem.box_(),
+                        fluid: &saturation.fluid,
+                    });
+                }
+                wet.advance(&motion, phases)?;
             }
         }
         self.integrate(dt)?;
@@ -146,10 +162,20 @@ impl Coupled {
     /// Contact forces, and beside them the fluid's: both follow from positions
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
-    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, networks, phases, velocity, .. } = self;
-        velocity.clone_from(&dem.particles().velocity);
-        let motion = motion(dem, velocity, dt);
+    fn contacts_beside_fluid(&mut self, dt: f64, fluid: &Fluid) -> Result<()> {
+        let Coupled { dem, networks, phases, beside, .. } = self;
+        beside.velocity.clone_from(&dem.particles().velocity);
+        let mut motion = motion(dem, &beside.velocity, dt);
+        if networks.acceleration.update == Update::EveryStep {
+            beside.position.clone_from(&dem.particles().position);
+            beside.radius.clone_from(&dem.particles().radius);
+            motion.place = Some(Place {
+                position: &beside.position,
+                radius: &beside.radius,
+                bounds: dem.box_(),
+                fluid,
+            });
+        }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();
         let (contacts, fluid): (Result<(), DemError>, Result<()>) = rayon::join(
@@ -342,5 +368,6 @@ fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> Motion<'a> {
         walls: walls.each_ref().map(|w| w.velocity),
         servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
         dt,
+        place: None,
     }
 }

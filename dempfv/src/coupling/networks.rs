@@ -29,7 +29,7 @@ use crate::{Error, Result};
 
 /// The network in use and the one that comes next.
 pub(super) struct Networks {
-    acceleration: Acceleration,
+    pub acceleration: Acceleration,
     builder: Arc<dyn NetworkBuilder>,
     pub current: Option<Wet>,
     /// Of a network that made room for its successor.

@@ -2,8 +2,8 @@
 
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, RemeshRule, Snapshot};
-use crate::pfv::{Flow, NONE};
-use crate::{Result, Vec3, WallId};
+use crate::pfv::{Flow, Fluid, NONE};
+use crate::{Aabb, Result, Vec3, WallId};
 
 /// What the fluid feels of spheres and walls in a step.
 pub(super) struct Motion<'a> {
@@ -15,6 +15,38 @@ pub(super) struct Motion<'a> {
     pub servo: [bool; 6],
     /// The time step (s).
     pub dt: f64,
+    /// Where they are, if the network follows them.
+    pub place: Option<Place<'a>>,
+}
+
+/// Where spheres and walls are, and what flows between them.
+pub(super) struct Place<'a> {
+    /// Sphere centres (m).
+    pub position: &'a [Vec3],
+    /// Radii (m).
+    pub radius: &'a [f64],
+    /// The box (m).
+    pub bounds: Aabb,
+    /// The fluid that the network was built for.
+    pub fluid: &'a Fluid,
+}
+
+/// What iterated solves have taken, since the simulation began or was
+/// restarted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UpdateCounts {
+    /// Solves that were iterated.
+    pub solves: u64,
+    /// Applications of the factors in them.
+    pub applications: u64,
+    /// Most applications in one solve.
+    pub most_applications: u32,
+    /// Estimated error of the last pressures, relative to them (1).
+    pub last_error: f64,
+    /// The largest estimated error of any step (1).
+    pub largest_error: f64,
+    /// Networks that were worn out before a remesh was due.
+    pub worn_out: u64,
 }
 
 /// A network, and what a checkpoint must know of it.
@@ -37,8 +69,18 @@ impl Wet {
     /// 2020).
     pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
         let flow = &mut self.flow;
+        if let Some(place) = &motion.place {
+            let Place { position, radius, bounds, fluid } = place;
+            let wear =
+                phases.time(Phase::Update, || flow.follow(position, radius, bounds, fluid));
+            if std::env::var("TRACE").is_ok() { eprintln!("WEAR {} {wear:?}", self.state.since); }
+        }
         phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
-        phases.time(Phase::Solve, || flow.update_pressure())?;
+        if motion.place.is_some() {
+            phases.time(Phase::Solve, || flow.iterate(1e-6))?;
+        } else {
+            phases.time(Phase::Solve, || flow.update_pressure())?;
+        }
         for wall in WallId::ALL {
             let known = &mut self.resistance[wall.index()];
             if motion.servo[wall.index()] && known.is_none() {

@@ -2,6 +2,8 @@
 
 use super::build::{Assembled, BuildTimes, Spare};
 use super::carry::Carried;
+use super::follow::Follower;
+use super::iterate::Iterator;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -35,17 +37,20 @@ pub struct Flow {
     /// Its operators.
     pub operators: Operators,
     /// `None` when every pore has an imposed pressure.
-    factor: Option<Box<dyn Factor>>,
+    pub(super) factor: Option<Box<dyn Factor>>,
     solver: SolverKind,
     analysis_reused: bool,
     residual: Option<f64>,
-    imbalance: f64,
+    pub(super) imbalance: f64,
     build_times: BuildTimes,
-    rhs: Vec<f64>,
-    solution: Vec<f64>,
-    correction: Vec<f64>,
-    pressure: Vec<f64>,
-    volume_rate: Vec<f64>,
+    /// Once the network has followed its spheres.
+    pub(super) follower: Option<Box<Follower>>,
+    pub(super) iterator: Box<Iterator>,
+    pub(super) rhs: Vec<f64>,
+    pub(super) solution: Vec<f64>,
+    pub(super) correction: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    pub(super) volume_rate: Vec<f64>,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
@@ -131,6 +136,8 @@ impl Flow {
             residual: None,
             imbalance: 0.0,
             build_times,
+            follower: None,
+            iterator: Box::default(),
             rhs: vec![0.0; unknowns],
             solution: vec![0.0; unknowns],
             correction: vec![0.0; unknowns],
@@ -145,7 +152,11 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(self) -> (Carried, Option<Spare>) {
+    pub fn retire(mut self) -> (Carried, Option<Spare>) {
+        if let Some(follower) = self.follower.take() {
+            // The same after a restart.
+            (self.network.center, self.network.volume) = follower.built();
+        }
         let (around, matrix) = self.operators.retire();
         let carried = Carried::new(self.network, around, self.pressure);
         (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix)))

@@ -15,8 +15,10 @@ mod clamp;
 mod error;
 mod flow;
 mod fluid;
+mod follow;
 
 mod frame;
+mod iterate;
 mod krylov;
 mod locate;
 mod network;
@@ -34,6 +36,8 @@ pub use clamp::Clamp;
 pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
+pub use follow::Wear;
+pub use iterate::{Course, Iterations};
 
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;

@@ -67,10 +67,7 @@ impl Network {
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
         let (pairs, throat_of) = number_throats(&tessellation);
-        let friction = WallFriction {
-            slip: fluid.slip_walls,
-            open: fluid.boundary.pressure.map(|p| p.is_some()),
-        };
+        let friction = WallFriction::of(fluid);
         let evaluated = evaluate_throats(&frame, &tessellation, &pores, &pairs, friction);
         let conductance = conductances(&evaluated, fluid);
         check_finite(&tessellation, &pairs, &conductance)?;
@@ -115,9 +112,9 @@ impl Network {
 }
 
 /// A throat's place: its pores, and the facet as the first pore numbers it.
-struct Place {
-    pores: [u32; 2],
-    facet: usize,
+pub(super) struct Place {
+    pub pores: [u32; 2],
+    pub facet: usize,
 }
 
 fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Vec<Pore>, PfvError> {
@@ -139,7 +136,7 @@ fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Vec<Pore>, PfvError
 }
 
 /// Numbers each facet between two pores once, by its smaller pore.
-fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
+pub(super) fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
     let mut places = Vec::with_capacity(2 * t.cells.len());
     let mut throat_of = vec![[NONE; 4]; t.cells.len()];
     for (i, around) in t.neighbors.iter().enumerate() {
@@ -178,21 +175,20 @@ fn evaluate_throats(
 }
 
 fn conductances(throats: &[Throat], fluid: &Fluid) -> Vec<f64> {
-    let (low, high) = fluid.clamp.bounds(throats, fluid.viscosity);
-    throats
-        .par_iter()
-        .map(|t| {
-            let g = t.conductance(fluid.viscosity);
-            // Comparisons that let NaN through, to be named afterwards.
-            if g < low {
-                low
-            } else if g > high {
-                high
-            } else {
-                g
-            }
-        })
-        .collect()
+    let bounds = fluid.clamp.bounds(throats, fluid.viscosity);
+    throats.par_iter().map(|t| bounded(t.conductance(fluid.viscosity), bounds)).collect()
+}
+
+/// A conductance within bounds. Comparisons that let NaN through, to be named
+/// afterwards.
+pub(super) fn bounded(g: f64, (low, high): (f64, f64)) -> f64 {
+    if g < low {
+        low
+    } else if g > high {
+        high
+    } else {
+        g
+    }
 }
 
 fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Result<(), PfvError> {
@@ -209,8 +205,6 @@ fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Resu
     }
 }
 
-/// Adds up, per pore and vertex, what the pore's throats push, and what the
-/// pressure pushes on the walls across the opposite facet.
 fn gather_push(
     t: &Tessellation,
     places: &[Place],
@@ -218,32 +212,41 @@ fn gather_push(
     throat_of: &[[u32; 4]],
     pores: &[Pore],
 ) -> Vec<[Vec3; 4]> {
-    (0..t.cells.len())
-        .into_par_iter()
-        .map(|i| {
-            let mut push = [Vec3::zeros(); 4];
-            for &number in &throat_of[i] {
-                if number == NONE {
-                    continue;
-                }
-                let (place, throat) = (&places[number as usize], &throats[number as usize]);
-                let first = place.pores[0] as usize;
-                let sign = if first == i { 1.0 } else { -1.0 };
-                for (k, force) in FACETS[place.facet].iter().zip(throat.push) {
-                    let vertex = t.cells[first][*k];
-                    if let Some(here) = t.cells[i].iter().position(|&v| v == vertex) {
-                        push[here] += sign * force;
-                    }
-                }
+    let push = |i: usize| push_of(t, places, throats, &throat_of[i], &pores[i].gradient, i);
+    (0..t.cells.len()).into_par_iter().map(push).collect()
+}
+
+/// Adds up, for each vertex of pore `i`, what the pore's throats push, and
+/// what the pressure pushes on the walls across the opposite facet.
+pub(super) fn push_of(
+    t: &Tessellation,
+    places: &[Place],
+    throats: &[Throat],
+    throat_of: &[u32; 4],
+    gradient: &[Vec3; 4],
+    i: usize,
+) -> [Vec3; 4] {
+    let mut push = [Vec3::zeros(); 4];
+    for &number in throat_of {
+        if number == NONE {
+            continue;
+        }
+        let (place, throat) = (&places[number as usize], &throats[number as usize]);
+        let first = place.pores[0] as usize;
+        let sign = if first == i { 1.0 } else { -1.0 };
+        for (k, force) in FACETS[place.facet].iter().zip(throat.push) {
+            let vertex = t.cells[first][*k];
+            if let Some(here) = t.cells[i].iter().position(|&v| v == vertex) {
+                push[here] += sign * force;
             }
-            for (k, &vertex) in t.cells[i].iter().enumerate() {
-                if t.wall(vertex).is_some() {
-                    // The facet's projection on the wall is what the volume
-                    // gains where the wall moves outward.
-                    push[k] += pores[i].gradient[k];
-                }
-            }
-            push
-        })
-        .collect()
+        }
+    }
+    for (k, &vertex) in t.cells[i].iter().enumerate() {
+        if t.wall(vertex).is_some() {
+            // The facet's projection on the wall is what the volume gains
+            // where the wall moves outward.
+            push[k] += gradient[k];
+        }
+    }
+    push
 }

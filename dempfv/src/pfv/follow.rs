@@ -1,0 +1,254 @@
+//! A network that follows its spheres: the triangulation stays, and whatever
+//! depends on positions is computed anew in place.
+
+use rayon::prelude::*;
+
+use super::frame::{FACETS, Frame};
+use super::network::{Place, bounded, number_throats, push_of};
+use super::operators::for_each;
+use super::pore::Pore;
+use super::throat::{Throat, WallFriction, throat};
+use super::{Flow, Fluid, NONE, Network, Operators};
+use crate::{Aabb, Vec3};
+
+/// Pores or throats that one task takes at least: half a millisecond of work.
+const GEOMETRY_TASK: usize = 1_024;
+
+/// How far a triangulation that is carried on is from that of the moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wear {
+    /// Pores that had a volume when the network was built, and have turned
+    /// inside out.
+    pub inverted: u32,
+    /// Throats whose pores have passed each other: the facet is no longer one
+    /// of the regular triangulation.
+    pub folded: u32,
+    /// Pores or throats that have no finite size any more. They keep what they
+    /// had when the network was built.
+    pub lost: u32,
+}
+
+impl Wear {
+    fn and(self, other: Wear) -> Wear {
+        Wear {
+            inverted: self.inverted + other.inverted,
+            folded: self.folded + other.folded,
+            lost: self.lost + other.lost,
+        }
+    }
+}
+
+/// What a network needs to follow its spheres: 420 bytes a pore.
+pub(super) struct Follower {
+    fluid: Fluid,
+    radius: Vec<f64>,
+    /// Sphere and pore centres from the box's lower corner (m).
+    x: Vec<Vec3>,
+    local: Vec<Vec3>,
+    places: Vec<Place>,
+    throats: Vec<Throat>,
+    push: Vec<[Vec3; 4]>,
+    /// For each entry of `F` which vertex of its pore it is.
+    corner: Vec<u8>,
+    /// Throat of each entry of `G`; [`NONE`] on the diagonal.
+    throat_at: Vec<u32>,
+    /// Of the network as it was built: centres, volumes, conductances.
+    center: Vec<Vec3>,
+    volume: Vec<f64>,
+    conductance: Vec<f64>,
+}
+
+impl Follower {
+    fn new(network: &Network, operators: &Operators, radius: &[f64], fluid: &Fluid) -> Follower {
+        let t = &network.tessellation;
+        let (places, _) = number_throats(t);
+        let mut corner = Vec::with_capacity(4 * t.cells.len());
+        for vertex in 0..t.spheres + 6 {
+            for &pore in operators.forces.pores.of(vertex) {
+                let cell = &t.cells[pore as usize];
+                corner.push(cell.iter().position(|&v| v as usize == vertex).unwrap_or(0) as u8);
+            }
+        }
+        Follower {
+            fluid: *fluid,
+            radius: radius.to_vec(),
+            x: Vec::with_capacity(radius.len()),
+            local: vec![Vec3::zeros(); t.cells.len()],
+            throats: vec![Throat::CLOSED; places.len()],
+            push: vec![[Vec3::zeros(); 4]; t.cells.len()],
+            corner,
+            throat_at: throats_of_entries(network, operators),
+            center: network.center.clone(),
+            volume: network.volume.clone(),
+            conductance: network.throats.conductance.clone(),
+            places,
+        }
+    }
+
+    /// Centres and volumes of the network as it was built.
+    pub fn built(self) -> (Vec<Vec3>, Vec<f64>) {
+        (self.center, self.volume)
+    }
+
+    /// Volume of each pore when the network was built (m³).
+    pub fn built_volume(&self) -> &[f64] {
+        &self.volume
+    }
+
+    fn run(
+        &mut self,
+        network: &mut Network,
+        operators: &mut Operators,
+        position: &[Vec3],
+        bounds: &Aabb,
+    ) -> Wear {
+        let mut x = std::mem::take(&mut self.x);
+        x.clear();
+        x.extend(position.iter().map(|x| x - bounds.min));
+        let radius = std::mem::take(&mut self.radius);
+        let frame = Frame { x, r: &radius, size: bounds.size() };
+        network.bounds = *bounds;
+        let mut wear = self.follow_pores(&frame, network, operators);
+        self.follow_throats(&frame, network);
+        self.x = frame.x;
+        self.radius = radius;
+        wear.lost += self.write_conductances(network);
+        wear.folded = self.throats.iter().filter(|t| t.folded).count() as u32;
+        self.write_operators(network, operators);
+        wear
+    }
+
+    /// Writes centres, volumes and the volumes' gradients.
+    fn follow_pores(
+        &mut self,
+        frame: &Frame,
+        network: &mut Network,
+        operators: &mut Operators,
+    ) -> Wear {
+        let (cells, origin) = (&network.tessellation.cells, network.bounds.min);
+        let Follower { center: built_center, volume: built_volume, local, .. } = self;
+        let finite = |p: &Pore| p.center.iter().chain([&p.volume]).all(|v| v.is_finite());
+        (local, &mut network.center, &mut network.volume, &mut operators.volume.gradient)
+            .into_par_iter()
+            .with_min_len(GEOMETRY_TASK)
+            .enumerate()
+            .map(|(i, (local, center, volume, gradient))| {
+                match Pore::new(frame, cells[i]).filter(finite) {
+                    Some(pore) => {
+                        (*local, *volume, *gradient) = (pore.center, pore.volume, pore.gradient);
+                        *center = pore.center + origin;
+                        let inverted = pore.volume <= 0.0 && built_volume[i] > 0.0;
+                        Wear { inverted: inverted.into(), ..Wear::default() }
+                    }
+                    None => {
+                        (*center, *volume) = (built_center[i], built_volume[i]);
+                        *local = built_center[i] - origin;
+                        Wear { lost: 1, ..Wear::default() }
+                    }
+                }
+            })
+            .reduce(Wear::default, Wear::and)
+    }
+
+    fn follow_throats(&mut self, frame: &Frame, network: &Network) {
+        let (cells, friction) = (&network.tessellation.cells, WallFriction::of(&self.fluid));
+        let Follower { throats, places, local, .. } = self;
+        throats.par_iter_mut().zip(places).with_min_len(GEOMETRY_TASK).for_each(|(out, place)| {
+            let [i, j] = place.pores.map(|p| p as usize);
+            let facet = FACETS[place.facet].map(|k| cells[i][k]);
+            *out = throat(frame, friction, facet, local[i], local[j]).unwrap_or(Throat::CLOSED);
+        });
+    }
+
+    /// Returns how many are not finite.
+    fn write_conductances(&self, network: &mut Network) -> u32 {
+        let limits = self.fluid.clamp.bounds(&self.throats, self.fluid.viscosity);
+        let conductance = &mut network.throats.conductance;
+        for_each(conductance, &|k, g| {
+            let now = bounded(self.throats[k].conductance(self.fluid.viscosity), limits);
+            *g = if now.is_finite() { now } else { self.conductance[k] };
+        });
+        self.throats.iter().filter(|t| !t.conductance(1.0).is_finite()).count() as u32
+    }
+
+    /// `G`, `F` and the surfaces at the walls; `E` is written with the pores.
+    fn write_operators(&mut self, network: &Network, operators: &mut Operators) {
+        let Follower { places, throats, push, corner, throat_at, .. } = self;
+        let (t, gradient) = (&network.tessellation, &operators.volume.gradient);
+        let throat_of = &network.throat_of;
+        for_each(push, &|i, push| {
+            *push = push_of(t, places, throats, &throat_of[i], &gradient[i], i);
+        });
+        let pores = &operators.forces.pores.pore;
+        for_each(&mut operators.forces.push, &|at, f| {
+            *f = push[pores[at] as usize][corner[at] as usize];
+        });
+        let Operators { matrix, pore_of, outlets, .. } = operators;
+        let row_idx = &matrix.row_idx;
+        for_each(&mut matrix.values, &|at, g| {
+            *g = match throat_at[at] {
+                NONE => diagonal(network, pore_of[row_idx[at] as usize] as usize),
+                throat => -network.throats.conductance[throat as usize],
+            };
+        });
+        outlets.follow(&network.throats.conductance);
+    }
+}
+
+impl Flow {
+    /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
+    /// volumes, conductances and the operators are those of the moment from
+    /// now on. The triangulation and the factor remain those that the flow was
+    /// built with, so [`Flow::iterate`] is what solves. `radius` (m) and
+    /// `fluid` are those that the flow was built with. Allocates in the first
+    /// call only.
+    pub fn follow(
+        &mut self,
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: &Aabb,
+        fluid: &Fluid,
+    ) -> Wear {
+        let Flow { network, operators, follower, .. } = self;
+        let follower = follower
+            .get_or_insert_with(|| Box::new(Follower::new(network, operators, radius, fluid)));
+        follower.run(network, operators, position, bounds)
+    }
+
+    /// Volume of each pore when the network was built (m³).
+    pub fn built_volume(&self) -> &[f64] {
+        match &self.follower {
+            Some(follower) => follower.built_volume(),
+            None => &self.network.volume,
+        }
+    }
+}
+
+/// The throat of each entry of `G` below the diagonal.
+fn throats_of_entries(network: &Network, operators: &Operators) -> Vec<u32> {
+    let Operators { matrix, pore_of, unknown_of, .. } = operators;
+    let mut throat_at = vec![NONE; matrix.nnz()];
+    for (u, &pore) in pore_of.iter().enumerate() {
+        let i = pore as usize;
+        let column = matrix.col_ptr[u] as usize..matrix.col_ptr[u + 1] as usize;
+        for at in column.skip(1) {
+            let row = matrix.row_idx[at] as u32;
+            let across = |&k: &usize| {
+                let j = network.tessellation.neighbors[i][k];
+                j != NONE && unknown_of[j as usize] == row
+            };
+            throat_at[at] = (0..4).find(across).map_or(NONE, |k| network.throat_of[i][k]);
+        }
+    }
+    throat_at
+}
+
+/// The sum of a pore's conductances, in the order in which it is assembled.
+fn diagonal(network: &Network, pore: usize) -> f64 {
+    let around = network.tessellation.neighbors[pore].into_iter();
+    around
+        .zip(network.conductances_of(pore))
+        .filter(|(j, _)| *j != NONE)
+        .map(|(_, g)| g)
+        .fold(0.0, |sum, g| sum + g)
+}
