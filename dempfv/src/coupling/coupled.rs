@@ -8,7 +8,7 @@ use super::background::NetworkBuilder;
 use super::gpu_use::GpuUse;
 use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
-use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
+use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
 use super::stability;
 use super::wet::{Motion, Place, Wet};
 use crate::dem::{Dem, DemError, WallControl};
@@ -43,6 +43,7 @@ pub struct Coupled {
     steps: u64,
     largest_residual: f64,
     largest_imbalance: f64,
+    update_counts: UpdateCounts,
     phases: Phases,
     beside: Beside,
 }
@@ -66,6 +67,7 @@ impl Coupled {
             steps: 0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
+            update_counts: UpdateCounts::default(),
             phases: Phases::default(),
             beside: Beside::default(),
         }
@@ -120,10 +122,11 @@ impl Coupled {
             // A step's own time is without its remesh.
             start += before.elapsed();
             let Coupled { dem, phases, networks, .. } = self;
+            let follow = networks.acceleration().update == Update::EveryStep;
             if let Some(wet) = &mut networks.current {
                 let particles = dem.particles();
                 let mut motion = motion(dem, &particles.velocity, dt);
-                if networks.acceleration.update == Update::EveryStep {
+                if follow {
                     motion.place = Some(Place {
                         position: &particles.position,
                         radius: &particles.radius,
@@ -166,7 +169,7 @@ impl Coupled {
         let Coupled { dem, networks, phases, beside, .. } = self;
         beside.velocity.clone_from(&dem.particles().velocity);
         let mut motion = motion(dem, &beside.velocity, dt);
-        if networks.acceleration.update == Update::EveryStep {
+        if networks.acceleration().update == Update::EveryStep {
             beside.position.clone_from(&dem.particles().position);
             beside.radius.clone_from(&dem.particles().radius);
             motion.place = Some(Place {
@@ -196,7 +199,10 @@ impl Coupled {
         let Coupled { dem, networks, phases, .. } = self;
         let wet = networks.current.as_ref();
         dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
-        if let Some(flow) = wet.map(|wet| &wet.flow) {
+        if let Some(Wet { flow, iterations, state, .. }) = wet {
+            if let Some(went) = iterations {
+                self.update_counts.add(*went, state.worn);
+            }
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
@@ -293,6 +299,11 @@ impl Coupled {
     /// What happened at remeshes.
     pub fn remesh_counts(&self) -> &RemeshCounts {
         &self.networks.counts
+    }
+
+    /// What following the spheres between remeshes took.
+    pub fn update_counts(&self) -> &UpdateCounts {
+        &self.update_counts
     }
 
     /// What a GPU did, where the solver asks for one.

@@ -29,7 +29,7 @@ use crate::{Error, Result};
 
 /// The network in use and the one that comes next.
 pub(super) struct Networks {
-    pub acceleration: Acceleration,
+    acceleration: Acceleration,
     builder: Arc<dyn NetworkBuilder>,
     pub current: Option<Wet>,
     /// Of a network that made room for its successor.
@@ -84,8 +84,8 @@ impl Due {
         // An interval of no steps would be one of every step.
         let old = |halves: u64| interval.is_some_and(|n| since >= n.max(1) * halves / 2);
         let strain = wet.strain(rule);
-        let strained = strain > 1.0;
-        Due { half: old(1) || strain > 0.5, whole: old(2) || strained, strained }
+        let strained = strain > 1.0 || wet.state.worn;
+        Due { half: old(1) || strain > 0.5 || strained, whole: old(2) || strained, strained }
     }
 }
 
@@ -108,7 +108,9 @@ impl Networks {
 
     /// Changes how networks are renewed. The one in use stays.
     pub fn accelerate(&mut self, acceleration: Acceleration) {
-        if acceleration != self.acceleration {
+        if acceleration.update != self.acceleration.update {
+            self.outdate();
+        } else if acceleration != self.acceleration {
             self.forget_pending();
         }
         self.acceleration = acceleration;
@@ -288,6 +290,7 @@ impl Networks {
                 self.counts.failures += 1;
                 if let Some(wet) = &mut self.current {
                     wet.state.since = 0;
+                    wet.state.worn = false;
                 }
                 Ok(false)
             }
@@ -399,6 +402,9 @@ impl Networks {
             since: 0,
             volume_change,
             solution: vec![],
+            before: vec![],
+            resistance: [None; 6],
+            worn: false,
             pending: None,
             fastest,
         };
@@ -461,6 +467,7 @@ impl Networks {
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         flow.resume(&state.solution);
+        flow.resume_before(&state.before);
         if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }

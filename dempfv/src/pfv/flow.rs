@@ -3,7 +3,7 @@
 use super::build::{Assembled, BuildTimes, Spare};
 use super::carry::Carried;
 use super::follow::Follower;
-use super::iterate::Iterator;
+use super::iterate::Gradients;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -45,7 +45,7 @@ pub struct Flow {
     build_times: BuildTimes,
     /// Once the network has followed its spheres.
     pub(super) follower: Option<Box<Follower>>,
-    pub(super) iterator: Box<Iterator>,
+    pub(super) gradients: Box<Gradients>,
     pub(super) rhs: Vec<f64>,
     pub(super) solution: Vec<f64>,
     pub(super) correction: Vec<f64>,
@@ -137,7 +137,7 @@ impl Flow {
             imbalance: 0.0,
             build_times,
             follower: None,
-            iterator: Box::default(),
+            gradients: Box::default(),
             rhs: vec![0.0; unknowns],
             solution: vec![0.0; unknowns],
             correction: vec![0.0; unknowns],
@@ -154,8 +154,8 @@ impl Flow {
     /// the factor. All else is freed.
     pub fn retire(mut self) -> (Carried, Option<Spare>) {
         if let Some(follower) = self.follower.take() {
-            // The same after a restart.
-            (self.network.center, self.network.volume) = follower.built();
+            // After a restart, these are all that is known.
+            self.network.center = follower.built_center();
         }
         let (around, matrix) = self.operators.retire();
         let carried = Carried::new(self.network, around, self.pressure);
@@ -229,6 +229,10 @@ impl Flow {
                 break;
             }
         }
+        self.check_pressure()
+    }
+
+    pub(super) fn check_pressure(&self) -> Result<()> {
         match self.pressure.iter().position(|p| !p.is_finite()) {
             None => Ok(()),
             Some(pore) => Err(PfvError::PressureNotFinite { pore: pore as u32 }.into()),

@@ -14,6 +14,10 @@ use crate::{Aabb, Vec3};
 /// Pores or throats that one task takes at least: half a millisecond of work.
 const GEOMETRY_TASK: usize = 1_024;
 
+/// A difference of pressures that has come below this share of its energy in
+/// the factor is solved for by itself.
+const WEAK: f64 = 0.7;
+
 /// How far a triangulation that is carried on is from that of the moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wear {
@@ -38,7 +42,7 @@ impl Wear {
     }
 }
 
-/// What a network needs to follow its spheres: 420 bytes a pore.
+/// What a network needs to follow its spheres: 480 bytes a pore.
 pub(super) struct Follower {
     fluid: Fluid,
     radius: Vec<f64>,
@@ -56,6 +60,21 @@ pub(super) struct Follower {
     center: Vec<Vec3>,
     volume: Vec<f64>,
     conductance: Vec<f64>,
+    /// Sum of the conductances of each pore then.
+    diagonal: Vec<f64>,
+    /// Throats that have become much weaker.
+    weakened: Vec<Weakened>,
+}
+
+/// A throat whose pores the factor takes for joined far more firmly than they
+/// are now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weakened {
+    /// The pores' unknowns; [`NONE`] where the pressure is imposed.
+    pub unknowns: [u32; 2],
+    /// One over the energy of a unit difference of the two pressures
+    /// (Pa·s/m³).
+    pub inverse: f64,
 }
 
 impl Follower {
@@ -81,18 +100,20 @@ impl Follower {
             center: network.center.clone(),
             volume: network.volume.clone(),
             conductance: network.throats.conductance.clone(),
+            diagonal: (0..t.cells.len()).map(|i| diagonal(network, i)).collect(),
+            weakened: Vec::with_capacity(places.len() / 16),
             places,
         }
     }
 
-    /// Centres and volumes of the network as it was built.
-    pub fn built(self) -> (Vec<Vec3>, Vec<f64>) {
-        (self.center, self.volume)
+    /// Centres of the pores when the network was built (m).
+    pub fn built_center(self) -> Vec<Vec3> {
+        self.center
     }
 
-    /// Volume of each pore when the network was built (m³).
-    pub fn built_volume(&self) -> &[f64] {
-        &self.volume
+    /// The throats that have become much narrower than the factor has them.
+    pub fn weakened(&self) -> &[Weakened] {
+        &self.weakened
     }
 
     fn run(
@@ -113,8 +134,9 @@ impl Follower {
         self.x = frame.x;
         self.radius = radius;
         wear.lost += self.write_conductances(network);
-        wear.folded = self.throats.iter().filter(|t| t.folded).count() as u32;
         self.write_operators(network, operators);
+        self.find_weakened(network, operators);
+        wear.folded = self.folded(network, operators);
         wear
     }
 
@@ -160,6 +182,21 @@ impl Follower {
         });
     }
 
+    /// Throats whose second pore has its centre before the first one's. A
+    /// pore's volume grows where the vertex across the facet moves away from
+    /// it, which tells the facet's side. Where walls are, planes and the huge
+    /// spheres of the triangulation differ: these throats do not count.
+    fn folded(&self, network: &Network, operators: &Operators) -> u32 {
+        let t = &network.tessellation;
+        let folded = |place: &&Place| {
+            let [i, j] = place.pores.map(|p| p as usize);
+            let inside = t.cells[i].iter().all(|&v| (v as usize) < t.spheres);
+            let inward = operators.volume.gradient[i][place.facet];
+            inside && inward.dot(&(self.local[j] - self.local[i])) > 0.0
+        };
+        self.places.par_iter().with_min_len(GEOMETRY_TASK).filter(folded).count() as u32
+    }
+
     /// Returns how many are not finite.
     fn write_conductances(&self, network: &mut Network) -> u32 {
         let limits = self.fluid.clamp.bounds(&self.throats, self.fluid.viscosity);
@@ -169,6 +206,30 @@ impl Follower {
             *g = if now.is_finite() { now } else { self.conductance[k] };
         });
         self.throats.iter().filter(|t| !t.conductance(1.0).is_finite()).count() as u32
+    }
+
+    /// Finds the throats whose pores' difference has less than [`WEAK`] of
+    /// what the factor takes it to have.
+    fn find_weakened(&mut self, network: &Network, operators: &Operators) {
+        let Follower { conductance, diagonal: built, weakened, .. } = self;
+        weakened.clear();
+        for (k, (&now, &then)) in network.throats.conductance.iter().zip(&*conductance).enumerate() {
+            if now > WEAK * then {
+                continue;
+            }
+            let pores = network.throats.pores[k].map(|i| i as usize);
+            let unknowns = pores.map(|i| operators.unknown_of[i]);
+            let free = |e: usize| unknowns[e] != NONE;
+            // Beside the throat, each pore leads on through its others; an
+            // imposed pressure leads on without resistance.
+            let other = |e: usize| if free(e) { 1.0 / (built[pores[e]] - then).max(0.0) } else { 0.0 };
+            let around = 1.0 / (other(0) + other(1));
+            if (free(0) || free(1)) && now + around < WEAK * (then + around) {
+                let own = |e: usize| if free(e) { diagonal(network, pores[e]) } else { 0.0 };
+                let joint = if free(0) && free(1) { 2.0 * now } else { 0.0 };
+                weakened.push(Weakened { unknowns, inverse: 1.0 / (own(0) + own(1) + joint) });
+            }
+        }
     }
 
     /// `G`, `F` and the surfaces at the walls; `E` is written with the pores.
@@ -218,7 +279,7 @@ impl Flow {
     /// Volume of each pore when the network was built (m³).
     pub fn built_volume(&self) -> &[f64] {
         match &self.follower {
-            Some(follower) => follower.built_volume(),
+            Some(follower) => &follower.volume,
             None => &self.network.volume,
         }
     }

@@ -37,7 +37,7 @@ pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
 pub use follow::Wear;
-pub use iterate::{Course, Iterations};
+pub use iterate::Iterations;
 
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;

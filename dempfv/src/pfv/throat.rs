@@ -53,9 +53,6 @@ pub(super) struct Throat {
     /// Force per unit of pressure in the first pore on each vertex of the
     /// facet (m²); the second pore's is the opposite.
     pub push: [Vec3; 3],
-    /// The second pore's centre lies before the first one's: no facet of the
-    /// regular triangulation of the moment.
-    pub folded: bool,
 }
 
 impl Throat {
@@ -67,7 +64,6 @@ impl Throat {
         hydraulic_radius: 0.0,
         length: 1.0,
         push: [Vec3::new(0.0, 0.0, 0.0); 3],
-        folded: false,
     };
 
     /// Conductance (m³/(Pa·s)): Poiseuille flow through the hydraulic radius.
@@ -88,7 +84,6 @@ pub(super) fn throat(
     p2: Vec3,
 ) -> Option<Throat> {
     let facet = Facet::new(frame, facet)?;
-    let folded = facet.area_vector.dot(&(p2 - p1)) < 0.0;
     let (p1, p2) = separate(&facet, p1, p2);
     let mut solid = [0.0; 3];
     let mut solid_volume = 0.0;
@@ -131,7 +126,6 @@ pub(super) fn throat(
         hydraulic_radius,
         length: (p1 - p2).norm().max(1e-6 * 2.0 * hydraulic_radius),
         push: push(&facet, area, fluid_area, &sectors, &solid, solid_area),
-        folded,
     })
 }
 
