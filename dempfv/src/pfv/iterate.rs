@@ -13,6 +13,10 @@ const MOST: u32 = 48;
 /// Largest ratio of two corrections that tells of convergence: beyond, the
 /// error is taken for twenty times the correction.
 const SLOWEST: f64 = 0.95;
+/// The error is taken for so many times the last correction at least: where
+/// single pores are far from their factor, corrections are smaller than what
+/// they miss.
+const LEAST: f64 = 4.0;
 /// Round-off of pressures, relative to the largest imposed one.
 const ROUND_OFF: f64 = 1e-13;
 
@@ -49,8 +53,9 @@ impl Flow {
     /// The residual tells little of the pressures where conductances span
     /// many decades, the corrections do: they are residuals divided by nearly
     /// the right matrix. With ρ the ratio of the last two, what is missing
-    /// still is about ρ/(1 − ρ) times the last one. It is taken for the whole
-    /// last one at least, so that one small correction ends nothing by chance.
+    /// still is about ρ/(1 − ρ) times the last one. It is taken for four times
+    /// the last one at least, so that one small correction ends nothing by
+    /// chance.
     ///
     /// # Errors
     /// When an application fails, or a pressure is not finite.
@@ -93,7 +98,7 @@ impl Flow {
             gradients.go(alpha, solution, rhs);
             let step = gradients.dot(correction, correction).sqrt();
             let ratio = if went.applications == 1 { SLOWEST } else { f64::min(step / last, SLOWEST) };
-            let missing = step * f64::max(1.0, ratio / (1.0 - ratio));
+            let missing = step * f64::max(LEAST, ratio / (1.0 - ratio));
             went.error = missing / gradients.distance(solution, level);
             last = step;
             if went.error <= tolerance || step <= round_off || went.applications == MOST {
