@@ -3,11 +3,11 @@
 
 use rayon::prelude::*;
 
-use super::frame::{FACETS, Frame};
-use super::network::{Place, bounded, number_throats, push_of};
+use super::frame::Frame;
+use super::lanes::LANES;
+use super::network::{Place, bounded, number_throats, pores_at, push_of, throats_at};
 use super::operators::for_each;
-use super::pore::Pore;
-use super::throat::{Throat, WallFriction, throat};
+use super::throat::{Throat, WallFriction};
 use super::{Flow, Fluid, NONE, Network, Operators};
 use crate::{Aabb, Vec3};
 
@@ -149,36 +149,41 @@ impl Follower {
     ) -> Wear {
         let (cells, origin) = (&network.tessellation.cells, network.bounds.min);
         let Follower { center: built_center, volume: built_volume, local, .. } = self;
-        let finite = |p: &Pore| p.center.iter().chain([&p.volume]).all(|v| v.is_finite());
-        (local, &mut network.center, &mut network.volume, &mut operators.volume.gradient)
-            .into_par_iter()
-            .with_min_len(GEOMETRY_TASK)
-            .enumerate()
-            .map(|(i, (local, center, volume, gradient))| {
-                match Pore::new(frame, cells[i]).filter(finite) {
-                    Some(pore) => {
-                        (*local, *volume, *gradient) = (pore.center, pore.volume, pore.gradient);
-                        *center = pore.center + origin;
-                        let inverted = pore.volume <= 0.0 && built_volume[i] > 0.0;
-                        Wear { inverted: inverted.into(), ..Wear::default() }
-                    }
-                    None => {
-                        (*center, *volume) = (built_center[i], built_volume[i]);
-                        *local = built_center[i] - origin;
-                        Wear { lost: 1, ..Wear::default() }
-                    }
+        let followed = (
+            local.par_chunks_mut(LANES),
+            network.center.par_chunks_mut(LANES),
+            network.volume.par_chunks_mut(LANES),
+            operators.volume.gradient.par_chunks_mut(LANES),
+        );
+        let blocks = followed.into_par_iter().with_min_len(GEOMETRY_TASK / LANES).enumerate();
+        let wear = blocks.map(|(block, (local, center, volume, gradient))| {
+            let first = block * LANES;
+            let (x, (v, dv)) = pores_at(frame, &cells[first..first + local.len()]);
+            let mut wear = Wear::default();
+            for l in 0..local.len() {
+                let then = built_volume[first + l];
+                if x[l].iter().chain([&v[l]]).all(|v| v.is_finite()) {
+                    (local[l], volume[l], gradient[l]) = (x[l], v[l], dv[l]);
+                    center[l] = x[l] + origin;
+                    wear.inverted += u32::from(v[l] <= 0.0 && then > 0.0);
+                } else {
+                    (center[l], volume[l]) = (built_center[first + l], then);
+                    local[l] = center[l] - origin;
+                    wear.lost += 1;
                 }
-            })
-            .reduce(Wear::default, Wear::and)
+            }
+            wear
+        });
+        wear.reduce(Wear::default, Wear::and)
     }
 
     fn follow_throats(&mut self, frame: &Frame, network: &Network) {
         let (cells, friction) = (&network.tessellation.cells, WallFriction::of(&self.fluid));
         let Follower { throats, places, local, .. } = self;
-        throats.par_iter_mut().zip(places).with_min_len(GEOMETRY_TASK).for_each(|(out, place)| {
-            let [i, j] = place.pores.map(|p| p as usize);
-            let facet = FACETS[place.facet].map(|k| cells[i][k]);
-            *out = throat(frame, friction, facet, local[i], local[j]).unwrap_or(Throat::CLOSED);
+        let blocks = throats.par_chunks_mut(LANES).zip(places.par_chunks(LANES));
+        blocks.with_min_len(GEOMETRY_TASK / LANES).for_each(|(out, places)| {
+            let block = throats_at(frame, cells, local, places, friction);
+            out.copy_from_slice(&block[..out.len()]);
         });
     }
 
@@ -191,7 +196,7 @@ impl Follower {
         let folded = |place: &&Place| {
             let [i, j] = place.pores.map(|p| p as usize);
             let inside = t.cells[i].iter().all(|&v| (v as usize) < t.spheres);
-            let inward = operators.volume.gradient[i][place.facet];
+            let inward = operators.volume.gradient[i][place.facet as usize];
             inside && inward.dot(&(self.local[j] - self.local[i])) > 0.0
         };
         self.places.par_iter().with_min_len(GEOMETRY_TASK).filter(folded).count() as u32

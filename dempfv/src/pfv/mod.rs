@@ -9,6 +9,7 @@
 //! Walls are exact planes in every formula. Only the triangulation itself sees
 //! them as huge spheres.
 
+mod angle;
 mod build;
 mod carry;
 mod clamp;
@@ -20,14 +21,17 @@ mod follow;
 mod frame;
 mod iterate;
 mod krylov;
+mod lanes;
 mod locate;
 mod network;
 mod operators;
 mod outlets;
 mod polyhedra;
 mod pore;
+mod pore_batch;
 mod tessellation;
 mod throat;
+mod throat_batch;
 mod viscous;
 
 pub use build::{Analyzed, Assembled, BuildTimes, Spare};

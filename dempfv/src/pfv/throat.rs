@@ -14,7 +14,7 @@ use crate::{Vec3, WallId};
 /// length. The pores of a cospherical cluster (any regular lattice has them)
 /// have one and the same centre up to round-off; without the bound round-off
 /// would choose the conductance between them, and its logarithm.
-const SHORTEST: f64 = 1e-6;
+pub(super) const SHORTEST: f64 = 1e-6;
 
 /// Which walls stand still with respect to the fluid.
 #[derive(Clone, Copy, Debug)]
