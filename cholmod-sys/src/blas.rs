@@ -8,6 +8,56 @@ use std::ffi::{CStr, c_char, c_int};
 
 use crate::loaded::{file_of, symbol};
 
+/// `CblasColMajor`.
+pub const COLUMNS: c_int = 102;
+/// `CblasNoTrans`.
+pub const PLAIN: c_int = 111;
+/// `CblasTrans`.
+pub const TRANSPOSED: c_int = 112;
+/// `CblasLower`.
+pub const LOWER: c_int = 122;
+/// `CblasNonUnit`.
+pub const NON_UNIT: c_int = 131;
+/// `CblasRight`.
+pub const RIGHT: c_int = 142;
+
+unsafe extern "C" {
+    /// C = alpha op(A) op(B) + beta C in single precision.
+    pub fn cblas_sgemm(
+        order: c_int,
+        trans_a: c_int,
+        trans_b: c_int,
+        m: c_int,
+        n: c_int,
+        k: c_int,
+        alpha: f32,
+        a: *const f32,
+        lda: c_int,
+        b: *const f32,
+        ldb: c_int,
+        beta: f32,
+        c: *mut f32,
+        ldc: c_int,
+    );
+
+    /// B = alpha op(A)⁻¹ B or alpha B op(A)⁻¹ for a triangular A, in single
+    /// precision.
+    pub fn cblas_strsm(
+        order: c_int,
+        side: c_int,
+        uplo: c_int,
+        trans_a: c_int,
+        diagonal: c_int,
+        m: c_int,
+        n: c_int,
+        alpha: f32,
+        a: *const f32,
+        lda: c_int,
+        b: *mut f32,
+        ldb: c_int,
+    );
+}
+
 /// Sets the number of BLAS threads, for the whole process.
 ///
 /// Returns false where the loaded BLAS is not OpenBLAS: nothing was set then

@@ -51,7 +51,7 @@ fn other_conductances_take_no_second_analysis() {
         let mut again = renewed(old, &s, 2e-3);
         assert!(again.analysis_reused());
         let mut anew = flow(&s, 2e-3);
-        let nothing = vec![0.0; anew.operators.unknowns()];
+        let nothing = anew.course().clone();
         again.resume(&nothing);
         anew.resume(&nothing);
         again.solve_static().unwrap();

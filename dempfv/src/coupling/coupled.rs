@@ -94,6 +94,12 @@ impl Coupled {
         self.networks.accelerate(acceleration);
     }
 
+    /// Sets what each solve may leave of the imbalance of fluid mass and of the
+    /// pressures' error (1); see [`Flow::set_tolerance`](crate::pfv::Flow::set_tolerance).
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.networks.set_tolerance(tolerance);
+    }
+
     /// Changes who builds networks.
     pub fn build_with(&mut self, builder: Arc<dyn NetworkBuilder>) {
         self.networks.build_with(builder);

@@ -23,13 +23,15 @@ use super::setup::with_users_numbers;
 use super::stability::FastestMode;
 use super::wet::Wet;
 use crate::dem::Dem;
-use crate::pfv::{Carried, Flow, Spare};
+use crate::pfv::{Course, Carried, Flow, Spare};
 use crate::scene::{Acceleration, OnFailure, RemeshMode, Swap};
 use crate::{Error, Result};
 
 /// The network in use and the one that comes next.
 pub(super) struct Networks {
     acceleration: Acceleration,
+    /// What a solve may leave ([`Flow::set_tolerance`]); `None`: the flow's own.
+    tolerance: Option<f64>,
     builder: Arc<dyn NetworkBuilder>,
     pub current: Option<Wet>,
     /// Of a network that made room for its successor.
@@ -93,6 +95,7 @@ impl Networks {
     pub fn new() -> Networks {
         Networks {
             acceleration: Acceleration::default(),
+            tolerance: None,
             builder: Arc::new(StandardBuilder),
             current: None,
             legacy: None,
@@ -114,6 +117,21 @@ impl Networks {
             self.forget_pending();
         }
         self.acceleration = acceleration;
+    }
+
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = Some(tolerance);
+        if let Some(wet) = &mut self.current {
+            wet.flow.set_tolerance(tolerance);
+        }
+    }
+
+    /// Puts a network into use.
+    fn put_to_use(&mut self, mut flow: Flow, state: FluidState) {
+        if let Some(tolerance) = self.tolerance {
+            flow.set_tolerance(tolerance);
+        }
+        self.current = Some(Wet::new(flow, state));
     }
 
     pub fn acceleration(&self) -> &Acceleration {
@@ -401,14 +419,13 @@ impl Networks {
             snapshot,
             since: 0,
             volume_change,
-            solution: vec![],
-            before: vec![],
             resistance: [None; 6],
             worn: false,
+            course: Course::default(),
             pending: None,
             fastest,
         };
-        self.current = Some(Wet::new(flow, state));
+        self.put_to_use(flow, state);
         self.auto.swapped();
         phases.add(Phase::Swap, start.elapsed());
     }
@@ -466,12 +483,11 @@ impl Networks {
             .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
-        flow.resume(&state.solution);
-        flow.resume_before(&state.before);
+        flow.resume(&state.course);
         if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }
-        self.current = Some(Wet::new(flow, state));
+        self.put_to_use(flow, state);
         if self.acceleration.remesh != RemeshMode::AtOnce {
             self.pending = pending.map(Pending::new);
             self.submit(site)?;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stability::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::{BuildTimes, Iterations};
+use crate::pfv::{BuildTimes, Course, Iterations};
 use crate::{Aabb, Vec3};
 
 /// When the pore network is built anew: whichever comes first.
@@ -47,15 +47,13 @@ pub struct FluidState {
     /// Change of each pore's volume since the snapshot (m³); empty without the
     /// strain rule.
     pub(super) volume_change: Vec<f64>,
-    /// Unknown pressures that the next solve goes on from (Pa).
-    pub(super) solution: Vec<f64>,
-    /// Those before them, where the solves are iterated.
-    pub(super) before: Vec<f64>,
     /// The fluid's resistance to each wall that a servo held (N·s/m), once it
     /// is known for this network.
     pub(super) resistance: [Option<f64>; 6],
     /// The network cannot follow the spheres any further.
     pub(super) worn: bool,
+    /// The pressures that the next solve goes on from.
+    pub(super) course: Course,
     /// What the next network is being built from.
     pub(super) pending: Option<Snapshot>,
     /// What bounds the automatic time step, as far as it is known.

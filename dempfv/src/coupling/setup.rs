@@ -74,6 +74,9 @@ pub(super) fn options(plan: &Plan) -> DemOptions {
 pub(super) fn coupled(plan: &Plan, dem: Dem) -> Coupled {
     let mut coupled = Coupled::new(dem);
     coupled.accelerate(plan.fluid.as_ref().map(|f| f.acceleration).unwrap_or_default());
+    if let Some(fluid) = &plan.fluid {
+        coupled.set_tolerance(fluid.tolerance);
+    }
     coupled.watch(plan.output.probes.clone());
     coupled
 }

@@ -32,8 +32,8 @@ pub(super) struct Place<'a> {
     pub fluid: &'a Fluid,
 }
 
-/// Largest error of iterated pressures (1), estimated; see
-/// [`Flow::iterate`].
+/// Least error that is asked of iterated pressures (1), whatever the
+/// tolerance; see [`Flow::iterate`].
 pub const PRESSURE_ERROR: f64 = 1e-6;
 /// A network that takes so many applications of its factor is worn out.
 const MANY: u32 = 24;
@@ -63,7 +63,8 @@ impl Wet {
         }
         phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
         if motion.place.is_some() {
-            let went = phases.time(Phase::Solve, || flow.iterate(PRESSURE_ERROR))?;
+            let tolerance = flow.tolerance().max(PRESSURE_ERROR);
+            let went = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
             state.worn |= went.applications >= MANY;
             *iterations = Some(went);
         } else {
@@ -110,12 +111,7 @@ impl Wet {
 
     /// What a checkpoint needs after so many steps, but for what is on its way.
     pub fn saved(&self, step: u64) -> FluidState {
-        FluidState {
-            step,
-            solution: self.flow.solution().to_vec(),
-            before: self.flow.solution_before().to_vec(),
-            ..self.state.clone()
-        }
+        FluidState { step, course: self.flow.course().clone(), ..self.state.clone() }
     }
 
     /// How far the pores have come towards the limit of their strain: 1 where

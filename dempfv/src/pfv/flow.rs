@@ -2,15 +2,16 @@
 
 use super::build::{Assembled, BuildTimes, Spare};
 use super::carry::Carried;
+use super::course::Course;
 use super::follow::Follower;
 use super::iterate::Gradients;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
 
-/// Largest imbalance of fluid mass that is left as it is, and the number of
-/// times that a solution is refined to come below it.
-const BALANCED: f64 = 1e-11;
+/// What a solve may leave, unless told otherwise.
+const TOLERANCE: f64 = 1e-11;
+/// How often a solution is corrected at most, after the first time.
 const REFINEMENTS: usize = 3;
 
 /// Pore pressures of a packing, and the fluid's forces on it.
@@ -42,12 +43,13 @@ pub struct Flow {
     analysis_reused: bool,
     residual: Option<f64>,
     pub(super) imbalance: f64,
+    tolerance: f64,
     build_times: BuildTimes,
     /// Once the network has followed its spheres.
     pub(super) follower: Option<Box<Follower>>,
     pub(super) gradients: Box<Gradients>,
     pub(super) rhs: Vec<f64>,
-    pub(super) solution: Vec<f64>,
+    pub(super) course: Course,
     pub(super) correction: Vec<f64>,
     pub(super) pressure: Vec<f64>,
     pub(super) volume_rate: Vec<f64>,
@@ -135,11 +137,12 @@ impl Flow {
             analysis_reused,
             residual: None,
             imbalance: 0.0,
+            tolerance: TOLERANCE,
             build_times,
             follower: None,
             gradients: Box::default(),
             rhs: vec![0.0; unknowns],
-            solution: vec![0.0; unknowns],
+            course: Course::at_rest(unknowns),
             correction: vec![0.0; unknowns],
             pressure,
             volume_rate: vec![0.0; pores],
@@ -165,8 +168,9 @@ impl Flow {
     /// Takes the pressures of the network that this one replaces: as the
     /// starting point of the next solve.
     pub fn carry_over(&mut self, from: &Carried) {
-        from.write(&self.network, &self.operators, &mut self.solution);
-        self.operators.pressures(&self.solution, &mut self.pressure);
+        self.course.begin();
+        from.write(&self.network, &self.operators, &mut self.course.now);
+        self.operators.pressures(&self.course.now, &mut self.pressure);
     }
 
     /// True when both have a matrix of the same pattern.
@@ -210,25 +214,38 @@ impl Flow {
     }
 
     /// Second third of [`Flow::solve`]: `G p = -V̇ + Q`, solved for the change
-    /// since the last pressures: `G δ = -V̇ + Q - G p`, with the right-hand
+    /// from what the last pressures predict: `G δ = -V̇ + Q - G p`, with the right-hand
     /// side evaluated throat by throat.
     ///
     /// Where conductances span many decades the diagonal of the matrix has no
     /// digits left for the small ones, and a solution loses that share of the
     /// fluid: 7e-10 of it with 20,000 spheres. Of a change, that is little. It
-    /// is repeated until what flows through the walls is what the pores
-    /// swallow: twice after a remesh or a jump, else once.
+    /// is repeated until what flows through the walls is what the pores swallow
+    /// and the estimated error of the pressures is small, both to
+    /// [`Flow::set_tolerance`].
     ///
     /// # Errors
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<()> {
-        for _ in 0..=REFINEMENTS {
+        self.course.predict();
+        self.operators.pressures(&self.course.now, &mut self.pressure);
+        let check = self.course.gain_is_due();
+        let mut last = 0.0;
+        for k in 0..=REFINEMENTS {
             self.correct_pressure()?;
             self.imbalance = self.operators.imbalance(&self.pressure, &self.volume_rate);
-            if self.imbalance <= BALANCED {
+            let change = largest(&self.correction);
+            if k == 1 {
+                self.course.gained(change, last);
+            }
+            last = change;
+            let error = self.course.gain() * change;
+            let small = error <= self.tolerance * largest(&self.course.now);
+            if self.imbalance <= self.tolerance && small && (k > 0 || !check) {
                 break;
             }
         }
+        self.course.solved();
         self.check_pressure()
     }
 
@@ -239,34 +256,46 @@ impl Flow {
         }
     }
 
+    /// Sets what a solve may leave: of the imbalance of fluid mass (relative to
+    /// what flows), and of the estimated error of the pressures (relative to the
+    /// largest). At first 1e-11. A larger one may spare a second solve per step.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = tolerance;
+    }
+
+    /// What a solve may leave ([`Flow::set_tolerance`]).
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// One solve for the change of the pressures.
     fn correct_pressure(&mut self) -> Result<()> {
-        let Flow { network, operators, solution, correction, pressure, volume_rate, rhs, .. } =
+        let Flow { network, operators, course, correction, pressure, volume_rate, rhs, .. } =
             self;
         let Some(factor) = &mut self.factor else { return Ok(()) };
         operators.surplus(network, pressure, volume_rate, rhs);
         if self.residual.is_none() {
-            self.residual = Some(factor.solve_checked(&operators.matrix, rhs, correction)?);
+            self.residual = Some(factor.correct_checked(&operators.matrix, rhs, correction)?);
         } else {
-            factor.solve(rhs, correction)?;
+            factor.correct(rhs, correction)?;
         }
-        solution.iter_mut().zip(correction.iter()).for_each(|(p, c)| *p += c);
-        operators.pressures(solution, pressure);
+        course.now.iter_mut().zip(correction.iter()).for_each(|(p, c)| *p += c);
+        operators.pressures(&course.now, pressure);
         Ok(())
     }
 
-    /// The unknown pressures (Pa), from which the next solve goes on.
-    pub fn solution(&self) -> &[f64] {
-        &self.solution
+    /// The pressures that the next solve goes on from.
+    pub fn course(&self) -> &Course {
+        &self.course
     }
 
-    /// Goes on from the unknown pressures of an earlier flow through the same
-    /// network, so that the next solve has the same bits. Pressures of another
-    /// number of pores are ignored.
-    pub fn resume(&mut self, solution: &[f64]) {
-        if solution.len() == self.solution.len() {
-            self.solution.copy_from_slice(solution);
-            self.operators.pressures(&self.solution, &mut self.pressure);
+    /// Goes on from the pressures of an earlier flow through the same network,
+    /// so that the next solve has the same bits. Pressures of another number of
+    /// pores are ignored.
+    pub fn resume(&mut self, course: &Course) {
+        if course.unknowns() == self.course.unknowns() {
+            self.course.clone_from(course);
+            self.operators.pressures(&self.course.now, &mut self.pressure);
             self.update_force();
         }
     }
@@ -402,4 +431,8 @@ impl Flow {
             imbalance: (entering - leaving).abs() / entering.abs(),
         })
     }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, v| v.abs().max(m))
 }

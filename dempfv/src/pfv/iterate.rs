@@ -39,14 +39,12 @@ pub(super) struct Gradients {
     product: Vec<f64>,
     /// Partial sums.
     parts: Vec<f64>,
-    /// The unknown pressures before the last ones (Pa); empty at first.
-    before: Vec<f64>,
 }
 
 impl Flow {
     /// As [`Flow::update_pressure`] where the network has moved on from its
     /// factor ([`Flow::follow`]): conjugate gradients preconditioned by the
-    /// factor, from the last pressures extrapolated, until the estimated error
+    /// factor, from what the last pressures predict, until the estimated error
     /// is at most `tolerance`. [`Iterations::error`] is larger where they come
     /// to no end.
     ///
@@ -61,26 +59,28 @@ impl Flow {
     /// When an application fails, or a pressure is not finite.
     pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations> {
         let went = self.improve(tolerance)?;
-        self.operators.pressures(&self.solution, &mut self.pressure);
+        self.course.solved();
+        self.operators.pressures(&self.course.now, &mut self.pressure);
         self.imbalance = self.operators.imbalance(&self.pressure, &self.volume_rate);
         self.check_pressure()?;
         Ok(went)
     }
 
     fn improve(&mut self, tolerance: f64) -> Result<Iterations> {
-        let Flow { network, operators, solution, correction, pressure, rhs, .. } = self;
+        let Flow { network, operators, course, correction, pressure, rhs, .. } = self;
         let mut went = Iterations::default();
         let Some(factor) = &mut self.factor else { return Ok(went) };
         let weakened = self.follower.as_ref().map_or(&[][..], |f| f.weakened());
         let gradients = &mut *self.gradients;
+        course.predict();
+        let solution = &mut course.now;
         gradients.fit(solution.len(), pressure.len());
-        gradients.predict(solution);
         operators.pressures(solution, pressure);
         operators.surplus(network, pressure, &self.volume_rate, rhs);
         let (level, round_off) = datum(&operators.boundary, solution.len());
         let (mut last, mut alpha, mut fall) = (0.0, 0.0, 0.0);
         loop {
-            factor.solve(rhs, correction)?;
+            factor.correct(rhs, correction)?;
             strengthen(weakened, rhs, correction);
             went.applications += 1;
             let beta = match went.applications {
@@ -107,20 +107,6 @@ impl Flow {
         }
         Ok(went)
     }
-
-    /// The unknown pressures before the last ones (Pa), from which the next
-    /// iteration extrapolates; empty at first.
-    pub fn solution_before(&self) -> &[f64] {
-        &self.gradients.before
-    }
-
-    /// Goes on from the unknown pressures before the last ones of an earlier
-    /// flow through the same network, as [`Flow::resume`] does from the last.
-    pub fn resume_before(&mut self, before: &[f64]) {
-        if before.len() == self.solution.len() {
-            self.gradients.before = before.to_vec();
-        }
-    }
 }
 
 impl Gradients {
@@ -130,20 +116,6 @@ impl Gradients {
         self.product.resize(unknowns, 0.0);
         self.spread.resize(pores, 0.0);
         self.parts.resize(unknowns.div_ceil(TASK), 0.0);
-    }
-
-    /// Extrapolates: the pressures change on as they did in the last step.
-    fn predict(&mut self, solution: &mut [f64]) {
-        if self.before.len() != solution.len() {
-            self.before.clear();
-            self.before.extend_from_slice(solution);
-            return;
-        }
-        for (p, before) in solution.iter_mut().zip(&mut self.before) {
-            let last = *p;
-            *p += last - *before;
-            *before = last;
-        }
     }
 
     /// Turns the direction `d` by β and returns `d · G d`.

@@ -49,6 +49,7 @@ pub(super) static FLUID: Schema = table(
         "slip_walls",
         "clamp",
         "solver",
+        "tolerance",
         "gpu_device",
         "gpu_memory",
         "pressure",

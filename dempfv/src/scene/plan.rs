@@ -179,8 +179,11 @@ pub struct Fluid {
     pub slip_walls: bool,
     /// Bounds on conductances. Default: none.
     pub clamp: Clamp,
-    /// Linear solver. Default: CHOLMOD.
+    /// Linear solver. Default: our own multifrontal one.
     pub solver: SolverKind,
+    /// What a solve may leave: of the imbalance of fluid mass, and of the estimated error of the
+    /// pressures (1). Default 1e-11.
+    pub tolerance: f64,
     /// How networks are renewed while the spheres move on. Default: plainly.
     pub acceleration: Acceleration,
     /// Imposed pressure on each wall (Pa), by the wall's index; `None`: no flow through it.

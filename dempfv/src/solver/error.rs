@@ -23,6 +23,32 @@ pub enum SolverError {
         /// Pivot divided by the diagonal entry of the matrix.
         ratio: f64,
     },
+    /// The solver is for matrices without positive entries off the diagonal.
+    #[error(
+        "the entry in row {row}, column {column} is {value:e}; this solver is for matrices whose \
+         entries off the diagonal are not positive (use cholmod)"
+    )]
+    PositiveOffDiagonal {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// The solver is for matrices whose rows have no negative sum.
+    #[error(
+        "row {row} sums up to {sum:e} (its diagonal entry is {diagonal:e}); this solver is for \
+         matrices whose rows do not have a negative sum (use cholmod)"
+    )]
+    NotDominant {
+        /// The row.
+        row: usize,
+        /// Its sum.
+        sum: f64,
+        /// Its diagonal entry.
+        diagonal: f64,
+    },
     /// The arrays of a matrix do not describe a symmetric matrix by its lower
     /// triangle.
     #[error("column {column} of the matrix: {what}")]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, Cholmod, CholmodGpu, GpuOptions};
+use super::{Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
 
 /// A solver by its name.
 ///
@@ -13,15 +13,18 @@ use super::{Backend, Cholmod, CholmodGpu, GpuOptions};
 /// use dempfv::solver::SolverKind;
 /// assert_eq!("cholmod".parse(), Ok(SolverKind::Cholmod));
 /// let error = "colmod".parse::<SolverKind>().unwrap_err();
-/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: cholmod, cholmod-gpu");
+/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: cholmod, frontal, cholmod-gpu");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SolverKind {
     /// Supernodal Cholesky factorization by SuiteSparse's CHOLMOD.
-    #[default]
     Cholmod,
-    /// The same with its largest parts on an NVIDIA GPU, as far as there is one
+    /// Multifrontal factorization in single precision without cancellation,
+    /// for the matrices of networks, on all threads.
+    #[default]
+    Frontal,
+    /// CHOLMOD with its largest parts on an NVIDIA GPU, as far as there is one
     /// and this build has the feature `cuda`; else on the CPU.
     CholmodGpu(GpuOptions),
 }
@@ -29,12 +32,13 @@ pub enum SolverKind {
 impl SolverKind {
     /// Every solver.
     pub const ALL: &'static [SolverKind] =
-        &[SolverKind::Cholmod, SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None })];
+        &[SolverKind::Cholmod, SolverKind::Frontal, SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None })];
 
     /// The solver's name in scenes and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             SolverKind::Cholmod => "cholmod",
+            SolverKind::Frontal => "frontal",
             SolverKind::CholmodGpu(_) => "cholmod-gpu",
         }
     }
@@ -43,7 +47,7 @@ impl SolverKind {
     /// lacks works too, by falling back on another.
     pub const fn is_built(self) -> bool {
         match self {
-            SolverKind::Cholmod => true,
+            SolverKind::Cholmod | SolverKind::Frontal => true,
             SolverKind::CholmodGpu(_) => cfg!(feature = "cuda"),
         }
     }
@@ -52,6 +56,7 @@ impl SolverKind {
     pub fn backend(self) -> Box<dyn Backend> {
         match self {
             SolverKind::Cholmod => Box::new(Cholmod),
+            SolverKind::Frontal => Box::new(Frontal),
             SolverKind::CholmodGpu(options) => Box::new(CholmodGpu(options)),
         }
     }

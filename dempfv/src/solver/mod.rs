@@ -42,13 +42,16 @@
 pub mod blas;
 mod cholmod;
 mod error;
+mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;
+pub mod ordering;
 mod placement;
 
 pub use cholmod::{Cholmod, CholmodGpu};
 pub use error::SolverError;
+pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};
 pub use kind::{SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
@@ -112,6 +115,31 @@ pub trait Factor: Send {
     /// `b` or `x` has not one entry per unknown, an entry of `b` is not
     /// finite, or (in the first call) memory ran out.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError>;
+
+    /// x ≈ A⁻¹ r for a residual r: all digits that the factor has without any
+    /// refinement, which the caller does himself. The same as [`Factor::solve`]
+    /// for a factor in double precision. Allocates nothing after the first call.
+    ///
+    /// # Errors
+    /// As [`Factor::solve`].
+    fn correct(&mut self, r: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+        self.solve(r, x)
+    }
+
+    /// [`Factor::correct`] for the first time after a factorization: checks the
+    /// correction too. Returns the residual that [`Factor::solve`] leaves, as
+    /// [`Factor::solve_checked`].
+    ///
+    /// # Errors
+    /// As [`Factor::solve_checked`].
+    fn correct_checked(
+        &mut self,
+        a: &SymmetricCsc,
+        r: &[f64],
+        x: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        self.solve_checked(a, r, x)
+    }
 
     /// Factors another matrix of the same pattern, in the memory of this
     /// factor; the result is that of a fresh factorization, bit for bit. A

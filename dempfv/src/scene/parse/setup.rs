@@ -225,6 +225,7 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
         slip_walls: table.flag_or("slip_walls", true)?,
         clamp: clamp.transpose()?.unwrap_or_default(),
         solver: read_solver(&table)?,
+        tolerance: table.number_or("tolerance", "", Bound::Positive, 1e-11)?,
         pressure: read_conditions(&table)?,
     })
 }

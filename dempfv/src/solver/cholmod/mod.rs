@@ -93,6 +93,18 @@ fn analyze(
     Ok(Box::new(CholmodFactor { raw, n, pattern, analysis, accelerator, placement }))
 }
 
+/// The order of elimination that METIS finds, through CHOLMOD: entry k is the
+/// unknown that is eliminated as the k-th.
+///
+/// # Errors
+/// Memory ran out, or CHOLMOD refused.
+pub(super) fn metis_order(a: &SymmetricCsc) -> Result<Vec<u32>, SolverError> {
+    let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
+    let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
+    drop(guard);
+    Ok(raw.permutation().iter().map(|&k| k as u32).collect())
+}
+
 /// CHOLMOD keeps the symbolic and the numeric factor in one object; the two
 /// traits keep them apart.
 struct CholmodFactor {

@@ -1,0 +1,280 @@
+//! A multifrontal factorization for the matrices of flow networks, in single
+//! precision and yet right to nearly all its digits.
+//!
+//! The matrix of a network has no positive entry off its diagonal, and no row
+//! whose sum is negative: what a pore loses is what its neighbours gain, and
+//! what leaves through imposed pressures. Elimination keeps it so. A pivot can
+//! therefore be had as a sum of sizes (the entries left in its column, and the
+//! row's excess, which is carried along) in place of a difference, and nothing
+//! in the whole factorization cancels (Grassmann, Taksar and Heyman 1985; Alfa,
+//! Xue and Ye 2002). Each entry of L has a relative error of about 10⁻⁶, however
+//! many decades the conductances span, where plain Cholesky factorization in
+//! single precision loses one digit for each decade of the condition number.
+//!
+//! A solve with this factor is a correction that gains five digits or more. The
+//! residual is evaluated in double precision from differences of pressures, and
+//! corrections are repeated until they no longer help.
+//!
+//! Memory and traffic are half of those of a factor in double precision. The
+//! tree of fronts is worked through on all threads; results are the same bits
+//! for any number.
+
+mod apply;
+mod assemble;
+mod dense;
+mod numeric;
+mod plan;
+mod shape;
+mod supernodes;
+mod symbolic;
+mod system;
+mod tree;
+
+use super::{
+    Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
+    ordering, require_size,
+};
+use apply::Solve;
+use numeric::{Entries, Factorization, Stopped};
+use plan::Plan;
+use symbolic::Pattern;
+use system::System;
+
+/// No number.
+const NONE: u32 = u32::MAX;
+
+/// In messages.
+const NAME: &str = "frontal";
+
+/// A pivot below this part of the diagonal entry is round-off of the matrix
+/// itself.
+const PIVOT_LIMIT: f64 = 1e-14;
+
+/// Most corrections of a solve, and the size of a correction relative to the
+/// solution that ends it.
+const CORRECTIONS: usize = 8;
+const SETTLED: f64 = 1e-11;
+
+/// Largest residual of one correction. A sound factor leaves some 10⁻⁸.
+const CORRECTION_LIMIT: f64 = 1e-5;
+
+/// The multifrontal backend, for diagonally dominant matrices without positive
+/// entries off the diagonal.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Frontal;
+
+impl Backend for Frontal {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError> {
+        a.validate()?;
+        if u32::try_from(2 * a.nnz()).is_err() {
+            return Err(SolverError::TooLarge { solver: NAME, n: a.n });
+        }
+        if let Some(points) = coordinates {
+            require_size("the list of coordinates", a.n, points.len())?;
+        }
+        blas::choose_default();
+        let (ordering, order) = match coordinates {
+            Some(points) => {
+                let order = ordering::order(a, points);
+                ("cuts", order.into_iter().map(|k| k as u32).collect())
+            }
+            None => ("metis", cholmod::metis_order(a)?),
+        };
+        let pattern = Pattern::new(a, order);
+        let plan = Plan::new(&pattern);
+        let analysis = Analysis { ordering, nnz_l: pattern.nnz_l, flops: pattern.flops };
+        let hash = a.pattern_hash();
+        Ok(Box::new(Analyzed { pattern, plan, analysis, hash }))
+    }
+}
+
+struct Analyzed {
+    pattern: Pattern,
+    plan: Plan,
+    analysis: Analysis,
+    hash: u64,
+}
+
+impl Symbolic for Analyzed {
+    fn analysis(&self) -> Analysis {
+        self.analysis
+    }
+
+    fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        let n = self.pattern.n;
+        let size = self.pattern.start[self.pattern.supernodes()];
+        let out_of_memory = |_| SolverError::OutOfMemory { solver: NAME, phase: "factor", n };
+        let mut entries = Entries::default();
+        entries.l.try_reserve_exact(size).map_err(out_of_memory)?;
+        entries.l.resize(size, 0.0);
+        entries.inverse = vec![0.0; n];
+        let mut factor = FrontalFactor {
+            vectors: vec![0.0; self.plan.vectors],
+            residual: vec![0.0; n],
+            correction: vec![0.0; n],
+            system: System::default(),
+            analyzed: *self,
+            entries,
+        };
+        factor.factorize(a)?;
+        Ok(Box::new(factor))
+    }
+}
+
+struct FrontalFactor {
+    analyzed: Analyzed,
+    system: System,
+    entries: Entries,
+    /// The vectors of the tasks.
+    vectors: Vec<f32>,
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+}
+
+impl FrontalFactor {
+    fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        let Analyzed { pattern, plan, hash, .. } = &self.analyzed;
+        if a.n != pattern.n || a.pattern_hash() != *hash {
+            return Err(SolverError::PatternChanged);
+        }
+        self.system.update(a)?;
+        let (values, excess) = self.system.scaled(a, &pattern.order);
+        let work = Factorization { pattern, plan, values: &values, excess: &excess };
+        let unknown = |column: usize| pattern.order[column] as usize;
+        work.run(&mut self.entries).map_err(|Stopped(column)| {
+            // Every term of a pivot is positive or zero.
+            SolverError::NearlySingular { column: unknown(column), ratio: 0.0 }
+        })?;
+        self.check_pivots(a)
+    }
+
+    /// Refuses a factor one of whose pivots is round-off of the matrix.
+    fn check_pivots(&self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        let order = &self.analyzed.pattern.order;
+        let mut worst = (0, f64::INFINITY);
+        for (&inverse, &unknown) in self.entries.inverse.iter().zip(order) {
+            let unknown = unknown as usize;
+            let pivot = 1.0 / (f64::from(inverse) * f64::from(inverse)) / self.system.scale;
+            let ratio = pivot / a.values[a.col_ptr[unknown] as usize];
+            if ratio < worst.1 {
+                worst = (unknown, ratio);
+            }
+        }
+        let (column, ratio) = worst;
+        if ratio < PIVOT_LIMIT {
+            Err(SolverError::NearlySingular { column, ratio })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// x = A⁻¹ b to single precision.
+    fn apply(&mut self, b: &[f64], x: &mut [f64]) {
+        let Analyzed { pattern, plan, .. } = &self.analyzed;
+        let largest = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        if largest == 0.0 {
+            x.fill(0.0);
+            return;
+        }
+        let vectors = &mut self.vectors;
+        vectors.fill(0.0);
+        for (v, &place) in b.iter().zip(&plan.place) {
+            vectors[place as usize] = (v / largest) as f32;
+        }
+        Solve { pattern, plan, entries: &self.entries }.run(vectors);
+        let scale = largest * self.system.scale;
+        for (x, &place) in x.iter_mut().zip(&plan.place) {
+            *x = f64::from(vectors[place as usize]) * scale;
+        }
+    }
+}
+
+impl Factor for FrontalFactor {
+    fn analysis(&self) -> Analysis {
+        self.analyzed.analysis
+    }
+
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+        let n = self.analyzed.pattern.n;
+        require_size("the right-hand side", n, b.len())?;
+        require_size("the solution", n, x.len())?;
+        if let Some(row) = b.iter().position(|v| !v.is_finite()) {
+            return Err(SolverError::RightHandSideNotFinite { row, value: b[row] });
+        }
+        self.apply(b, x);
+        let mut residual = std::mem::take(&mut self.residual);
+        let mut correction = std::mem::take(&mut self.correction);
+        let mut last = f64::INFINITY;
+        for _ in 0..CORRECTIONS {
+            self.system.residual(b, x, &mut residual);
+            self.apply(&residual, &mut correction);
+            let size = correction.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let whole = x.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            // Corrections that no longer shrink are round-off.
+            if size.is_nan() || size > 0.5 * last {
+                break;
+            }
+            x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
+            if size <= SETTLED * whole {
+                break;
+            }
+            last = size;
+        }
+        self.residual = residual;
+        self.correction = correction;
+        Ok(())
+    }
+
+    fn correct(&mut self, r: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+        let n = self.analyzed.pattern.n;
+        require_size("the residual", n, r.len())?;
+        require_size("the correction", n, x.len())?;
+        if let Some(row) = r.iter().position(|v| !v.is_finite()) {
+            return Err(SolverError::RightHandSideNotFinite { row, value: r[row] });
+        }
+        self.apply(r, x);
+        Ok(())
+    }
+
+    fn correct_checked(
+        &mut self,
+        a: &SymmetricCsc,
+        r: &[f64],
+        x: &mut [f64],
+    ) -> Result<f64, SolverError> {
+        let residual = self.solve_checked(a, r, x)?;
+        self.correct(r, x)?;
+        let rough = a.residual(r, x);
+        if rough <= CORRECTION_LIMIT {
+            Ok(residual)
+        } else {
+            Err(SolverError::ResidualTooLarge { residual: rough, limit: CORRECTION_LIMIT })
+        }
+    }
+
+    fn refactor(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        self.factorize(a)?;
+        Ok(self)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        let Analyzed { pattern, plan, .. } = &self.analyzed;
+        4 * (self.entries.l.len() + self.entries.inverse.len() + self.vectors.len())
+            + 16 * pattern.n
+            + pattern.memory_bytes()
+            + plan.memory_bytes()
+            + self.system.memory_bytes()
+    }
+
+    fn placement(&self) -> &Placement {
+        &Placement::Cpu
+    }
+}

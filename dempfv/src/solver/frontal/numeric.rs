@@ -1,0 +1,286 @@
+//! The factorization: fronts are assembled from the matrix and from what is
+//! left of the fronts below, their own columns are eliminated, and the rest is
+//! handed up (Duff and Reid 1983).
+
+use rayon::prelude::*;
+
+use super::assemble;
+use super::dense::{self, Block};
+use super::plan::Plan;
+use super::shape::Shape;
+use super::symbolic::Pattern;
+
+/// What a front leaves to its parent.
+pub struct Update {
+    /// The supernode of the front.
+    pub from: usize,
+    /// The Schur complement, in tiles; its diagonal is not kept.
+    pub entries: Vec<f32>,
+    /// What the rows' excesses have grown by.
+    pub excess: Vec<f32>,
+}
+
+/// Where a factorization stopped: a column of the factor.
+pub struct Stopped(pub usize);
+
+/// The factor: entries and inverses of the diagonal.
+#[derive(Default)]
+pub struct Entries {
+    pub l: Vec<f32>,
+    pub inverse: Vec<f32>,
+}
+
+/// Fronts of so many entries share their tiles between threads.
+const SHARED: usize = 1 << 17;
+
+pub struct Factorization<'a> {
+    pub pattern: &'a Pattern,
+    pub plan: &'a Plan,
+    /// Values of the matrix, scaled.
+    pub values: &'a [f32],
+    /// Row sums by column of the factor, scaled.
+    pub excess: &'a [f32],
+}
+
+impl Factorization<'_> {
+    /// Factors into memory of the right size.
+    pub fn run(&self, into: &mut Entries) -> Result<(), Stopped> {
+        let Entries { l, inverse } = into;
+        self.tasks(&self.plan.roots, l, inverse, &mut vec![]).map(|_| ())
+    }
+
+    /// Entries of the factor and columns of some tasks that follow each other,
+    /// with all below them.
+    fn span(&self, tasks: &[u32]) -> (usize, usize) {
+        let (Some(first), Some(last)) = (tasks.first(), tasks.last()) else { return (0, 0) };
+        let from = self.plan.tasks[*first as usize].all.start;
+        let to = self.plan.tasks[*last as usize].all.end;
+        let (start, column) = (&self.pattern.start, &self.pattern.first);
+        (start[to] - start[from], (column[to] - column[from]) as usize)
+    }
+
+    /// Works through tasks, two halves at a time, and collects what they leave.
+    fn tasks(
+        &self,
+        tasks: &[u32],
+        l: &mut [f32],
+        inverse: &mut [f32],
+        left: &mut Vec<Update>,
+    ) -> Result<(), Stopped> {
+        match tasks {
+            [] => Ok(()),
+            [task] => {
+                left.push(self.task(*task as usize, l, inverse)?);
+                Ok(())
+            }
+            _ => {
+                let (a, b) = tasks.split_at(tasks.len() / 2);
+                let (entries, columns) = self.span(a);
+                let (l_a, l_b) = l.split_at_mut(entries);
+                let (inverse_a, inverse_b) = inverse.split_at_mut(columns);
+                let mut more = vec![];
+                let (first, second) = rayon::join(
+                    || self.tasks(a, l_a, inverse_a, left),
+                    || self.tasks(b, l_b, inverse_b, &mut more),
+                );
+                first?;
+                second?;
+                left.append(&mut more);
+                Ok(())
+            }
+        }
+    }
+
+    fn task(&self, task: usize, l: &mut [f32], inverse: &mut [f32]) -> Result<Update, Stopped> {
+        let task = &self.plan.tasks[task];
+        let start = |s: usize| self.pattern.start[s] - self.pattern.start[task.all.start];
+        let column =
+            |s: usize| (self.pattern.first[s] - self.pattern.first[task.all.start]) as usize;
+        let mut waiting: Vec<Update> = vec![];
+        let below = task.own.start;
+        self.tasks(
+            &task.children,
+            &mut l[..start(below)],
+            &mut inverse[..column(below)],
+            &mut waiting,
+        )?;
+        for s in task.own.clone() {
+            let children = self.pattern.children.of(s).len();
+            let from = waiting.len() - children;
+            let update = self.front(
+                s,
+                &mut l[start(s)..start(s + 1)],
+                &mut inverse[column(s)..column(s + 1)],
+                &waiting[from..],
+            )?;
+            waiting.truncate(from);
+            waiting.push(update);
+        }
+        // The last supernode of a task is the root of all others in it.
+        Ok(waiting.pop().unwrap_or(Update { from: 0, entries: vec![], excess: vec![] }))
+    }
+
+    fn front(
+        &self,
+        s: usize,
+        l: &mut [f32],
+        inverse: &mut [f32],
+        children: &[Update],
+    ) -> Result<Update, Stopped> {
+        let pattern = self.pattern;
+        let shape = pattern.shape(s);
+        let shared = shape.height() * shape.height() / 2 >= SHARED;
+        self.assemble(s, l);
+        let columns = pattern.first[s] as usize..pattern.first[s + 1] as usize;
+        let mut excess = vec![0.0; shape.height()];
+        excess[..shape.width].copy_from_slice(&self.excess[columns.clone()]);
+        for child in children {
+            for (&row, e) in pattern.map_of(child.from).iter().zip(&child.excess) {
+                excess[row as usize] += e;
+            }
+        }
+        assemble::pivots(pattern, children, shape, l, shared);
+        for panel in 0..shape.panels() {
+            eliminate(shape, panel, l, inverse, &mut excess, shared)
+                .map_err(|k| Stopped(columns.start + k))?;
+        }
+        let mut entries = vec![0.0; Shape { width: shape.edge, edge: 0 }.len()];
+        complement(shape, l, &mut entries, shared);
+        assemble::rest(pattern, children, shape, &mut entries, shared);
+        excess.drain(..shape.width);
+        Ok(Update { from: s, entries, excess })
+    }
+
+    /// The entries of the matrix.
+    fn assemble(&self, s: usize, l: &mut [f32]) {
+        l.fill(0.0);
+        let Pattern { first, entries, .. } = self.pattern;
+        let from = entries.column_start[first[s] as usize] as usize;
+        let to = entries.column_start[first[s + 1] as usize] as usize;
+        for (&source, &target) in entries.source[from..to].iter().zip(&entries.target[from..to]) {
+            l[target as usize] = self.values[source as usize];
+        }
+    }
+}
+
+/// The tiles of a panel below its diagonal: row, number of rows, entries.
+fn tiles_below<'a>(
+    shape: Shape,
+    panel: usize,
+    mut below: &'a mut [f32],
+) -> Vec<(usize, usize, &'a mut [f32])> {
+    let width = shape.panel_width(panel);
+    shape
+        .below(panel)
+        .map(|rows| {
+            let (tile, rest) = std::mem::take(&mut below).split_at_mut(rows.len * width);
+            below = rest;
+            (rows.start, rows.len, tile)
+        })
+        .collect()
+}
+
+/// Does something with each tile, on all threads if that pays.
+fn each<T: Send>(items: Vec<T>, shared: bool, work: impl Fn(T) + Sync + Send) {
+    if shared && items.len() > 1 {
+        items.into_par_iter().for_each(work);
+    } else {
+        items.into_iter().for_each(work);
+    }
+}
+
+/// Eliminates one panel of a front whose earlier panels are done.
+fn eliminate(
+    shape: Shape,
+    panel: usize,
+    l: &mut [f32],
+    inverse: &mut [f32],
+    excess: &mut [f32],
+    shared: bool,
+) -> Result<(), usize> {
+    let first = panel * super::shape::TILE;
+    let width = shape.panel_width(panel);
+    let (done, rest) = l.split_at_mut(shape.panel_start(panel));
+    let this = &mut rest[..width * (shape.height() - first)];
+    let (diagonal, below) = this.split_at_mut(width * width);
+
+    // Subtracts what earlier panels of this front contribute.
+    let contributions = |row: usize, rows: usize, tile: &mut [f32]| {
+        for earlier in 0..panel {
+            let start = shape.panel_start(earlier);
+            let k = shape.panel_width(earlier);
+            let a = start + shape.tile_start(earlier, row);
+            let b = start + shape.tile_start(earlier, first);
+            dense::subtract_product(
+                tile,
+                rows,
+                Block::packed(&done[a..a + rows * k], rows),
+                Block::packed(&done[b..b + width * k], width),
+                k,
+                1.0,
+            );
+        }
+    };
+    if panel > 0 {
+        let mut tiles = tiles_below(shape, panel, below);
+        tiles.push((first, width, &mut *diagonal));
+        each(tiles, shared, |(row, rows, tile)| contributions(row, rows, tile));
+    }
+
+    let mut rest = excess[first..first + width].to_vec();
+    for (_, rows, tile) in tiles_below(shape, panel, below) {
+        dense::subtract_column_sums(tile, rows, &mut rest);
+    }
+    let inverse = &mut inverse[first..first + width];
+    dense::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
+    let (triangle, inverse) = (&*diagonal, &*inverse);
+    each(tiles_below(shape, panel, below), shared, |(_, rows, tile)| {
+        dense::solve_right(tile, rows, triangle, width, inverse);
+    });
+    dense::invert_strips(diagonal, width);
+
+    // The excess of a row grows by its part of those that it is relieved of.
+    let (own, later) = excess[first..].split_at_mut(width);
+    dense::solve_lower(own, diagonal);
+    for (row, rows, tile) in tiles_below(shape, panel, below) {
+        let at = row - first - width;
+        dense::subtract_times(&mut later[at..at + rows], tile, own);
+    }
+    Ok(())
+}
+
+/// What the eliminated columns subtract from the rest of the front.
+fn complement(shape: Shape, l: &[f32], entries: &mut [f32], shared: bool) {
+    let square = Shape { width: shape.edge, edge: 0 };
+    let mut rest = entries;
+    let mut tiles = vec![];
+    for column in 0..square.panels() {
+        let (n, from) = (square.panel_width(column), column * super::shape::TILE);
+        let panel = n * (square.width - from);
+        let (mut this, after) = std::mem::take(&mut rest).split_at_mut(panel);
+        rest = after;
+        let rows = square.panel_width(column);
+        let diagonal = std::iter::once(super::shape::Rows { start: from, len: rows });
+        for tile in diagonal.chain(square.below(column)) {
+            let (entries, after) = std::mem::take(&mut this).split_at_mut(tile.len * n);
+            this = after;
+            tiles.push((tile, from, n, entries));
+        }
+    }
+    each(tiles, shared, |(rows, from, n, tile)| {
+        for panel in 0..shape.panels() {
+            let start = shape.panel_start(panel);
+            let k = shape.panel_width(panel);
+            let a = start + shape.tile_start(panel, shape.width + rows.start);
+            let b = start + shape.tile_start(panel, shape.width + from);
+            dense::subtract_product(
+                tile,
+                rows.len,
+                Block::packed(&l[a..a + rows.len * k], rows.len),
+                Block::packed(&l[b..b + n * k], n),
+                k,
+                1.0,
+            );
+        }
+    });
+}

@@ -1,0 +1,137 @@
+//! The matrix as a network: what flows between unknowns, and out.
+
+use rayon::prelude::*;
+
+use crate::solver::{SolverError, SymmetricCsc};
+
+/// Row sums below this part of the diagonal entry are round-off of the sum.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
+
+/// Rows that one task works through.
+const ROWS: usize = 4096;
+
+/// The whole matrix by rows: sizes of the entries off the diagonal, and sums
+/// of rows.
+#[derive(Default)]
+pub struct System {
+    start: Vec<u32>,
+    column: Vec<u32>,
+    /// Which entry of the matrix each one is.
+    source: Vec<u32>,
+    size: Vec<f64>,
+    excess: Vec<f64>,
+    /// Power of two that brings the largest diagonal entry near 1.
+    pub scale: f64,
+}
+
+impl System {
+    /// Takes the values of a matrix; its pattern stays that of the first one.
+    ///
+    /// # Errors
+    /// An entry off the diagonal is positive or not finite, or the sum of a
+    /// row is negative beyond round-off.
+    pub fn update(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        a.check_finite()?;
+        if self.start.is_empty() {
+            self.take_pattern(a);
+        }
+        let mut largest = 0.0f64;
+        for column in 0..a.n {
+            let range = a.col_ptr[column] as usize..a.col_ptr[column + 1] as usize;
+            let diagonal = a.values[range.start];
+            if diagonal <= 0.0 {
+                return Err(SolverError::NotPositiveDefinite { column });
+            }
+            largest = largest.max(diagonal);
+            for k in range.start + 1..range.end {
+                if a.values[k] > 0.0 {
+                    let row = a.row_idx[k] as usize;
+                    return Err(SolverError::PositiveOffDiagonal { row, column, value: a.values[k] });
+                }
+            }
+        }
+        self.scale = (-largest.log2().round()).exp2();
+        let System { start, source, size, excess, .. } = self;
+        for (size, &k) in size.iter_mut().zip(&*source) {
+            *size = -a.values[k as usize];
+        }
+        for (row, excess) in excess.iter_mut().enumerate() {
+            let diagonal = a.values[a.col_ptr[row] as usize];
+            let off: f64 = size[start[row] as usize..start[row + 1] as usize].iter().sum();
+            let sum = diagonal - off;
+            if sum < -ROUND_OFF * diagonal {
+                return Err(SolverError::NotDominant { row, sum, diagonal });
+            }
+            *excess = if sum <= ROUND_OFF * diagonal { 0.0 } else { sum };
+        }
+        Ok(())
+    }
+
+    fn take_pattern(&mut self, a: &SymmetricCsc) {
+        let n = a.n;
+        let mut start = vec![0u32; n + 1];
+        let entries = |column: usize| {
+            a.col_ptr[column] as usize + 1..a.col_ptr[column + 1] as usize
+        };
+        for column in 0..n {
+            for k in entries(column) {
+                start[column + 1] += 1;
+                start[a.row_idx[k] as usize + 1] += 1;
+            }
+        }
+        for k in 0..n {
+            start[k + 1] += start[k];
+        }
+        let mut next = start.clone();
+        let all = start[n] as usize;
+        let (mut columns, mut source) = (vec![0; all], vec![0; all]);
+        for column in 0..n {
+            for k in entries(column) {
+                let row = a.row_idx[k] as usize;
+                for (from, to) in [(column, row), (row, column)] {
+                    columns[next[from] as usize] = to as u32;
+                    source[next[from] as usize] = k as u32;
+                    next[from] += 1;
+                }
+            }
+        }
+        *self = System {
+            start,
+            column: columns,
+            source,
+            size: vec![0.0; all],
+            excess: vec![0.0; n],
+            scale: 1.0,
+        };
+    }
+
+    /// Values of the matrix in single precision and scaled, and the row sums
+    /// in the order of elimination.
+    pub fn scaled(&self, a: &SymmetricCsc, order: &[u32]) -> (Vec<f32>, Vec<f32>) {
+        let scale = self.scale;
+        let values = a.values.iter().map(|v| (v * scale) as f32).collect();
+        let excess = order.iter().map(|&k| (self.excess[k as usize] * scale) as f32).collect();
+        (values, excess)
+    }
+
+    /// r = b - A x, from differences of unknowns: a large entry between unknowns
+    /// of nearly one value does not drown the small ones.
+    pub fn residual(&self, b: &[f64], x: &[f64], r: &mut [f64]) {
+        r.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, r)| {
+            for (row, r) in (chunk * ROWS..).zip(r) {
+                let range = self.start[row] as usize..self.start[row + 1] as usize;
+                let mut sum = b[row] - self.excess[row] * x[row];
+                for (&column, size) in self.column[range.clone()].iter().zip(&self.size[range]) {
+                    sum += size * (x[column as usize] - x[row]);
+                }
+                *r = sum;
+            }
+        });
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        4 * (self.start.len() + self.column.len() + self.source.len())
+            + 8 * (self.size.len() + self.excess.len())
+    }
+}
