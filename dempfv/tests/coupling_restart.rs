@@ -88,6 +88,12 @@ fn a_restart_changes_no_bit() {
         // Its positions are taken 60 steps into each stage.
         ("background", "remesh_interval = 40\nremesh = \"background\"\nparallel_tasks = true"),
         ("ahead", "remesh_interval = 50\nremesh_strain = 2e-3\nremesh = \"ahead\""),
+        ("every step", "remesh_interval = 40\nupdate = \"every step\""),
+        (
+            "every step, ahead",
+            "remesh_interval = 50\nremesh_strain = 2e-3\nremesh = \"ahead\"\n\
+             update = \"every step\"\nparallel_tasks = true",
+        ),
     ] {
         let text = all_stages(remesh);
         let (states, expected, end) = with_states(&text);
@@ -117,6 +123,12 @@ fn a_restart_changes_no_bit() {
 /// blocks of spheres, two tasks of pores.
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
+    for update in ["remesh", "every step"] {
+        threads_do_not_matter(update);
+    }
+}
+
+fn threads_do_not_matter(update: &str) {
     let packing = concat!(env!("CARGO_MANIFEST_DIR"), "/../packings/oedometer-5000.txt");
     let text = format!(
         r#"
@@ -128,6 +140,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         [fluid]
         viscosity = 1e-3
         remesh_interval = 8
+        update = {update:?}
         pressure = {{ y_max = 0.0 }}
         [[stage]]
         kind = "run"

@@ -8,12 +8,12 @@ use super::background::NetworkBuilder;
 use super::gpu_use::GpuUse;
 use super::networks::{Networks, Site};
 use super::phases::{Phase, Phases};
-use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
+use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
 use super::stability;
-use super::wet::{Motion, Wet};
+use super::wet::{Motion, Place, Wet};
 use crate::dem::{Dem, DemError, WallControl};
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
-use crate::scene::Acceleration;
+use crate::scene::{Acceleration, Update};
 use crate::solver::SolverKind;
 use crate::{Result, Vec3};
 
@@ -43,9 +43,17 @@ pub struct Coupled {
     steps: u64,
     largest_residual: f64,
     largest_imbalance: f64,
+    update_counts: UpdateCounts,
     phases: Phases,
-    /// Scratch: the velocities that the fluid reads beside the contacts.
+    beside: Beside,
+}
+
+/// Scratch: what the fluid reads beside the contacts.
+#[derive(Default)]
+struct Beside {
     velocity: Vec<Vec3>,
+    position: Vec<Vec3>,
+    radius: Vec<f64>,
 }
 
 impl Coupled {
@@ -59,8 +67,9 @@ impl Coupled {
             steps: 0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
+            update_counts: UpdateCounts::default(),
             phases: Phases::default(),
-            velocity: vec![],
+            beside: Beside::default(),
         }
     }
 
@@ -109,7 +118,7 @@ impl Coupled {
             && self.networks.is_idle(&saturation.remesh);
         if beside {
             self.networks.begin_step();
-            self.contacts_beside_fluid(dt)?;
+            self.contacts_beside_fluid(dt, &saturation.fluid)?;
         } else {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
@@ -119,9 +128,19 @@ impl Coupled {
             // A step's own time is without its remesh.
             start += before.elapsed();
             let Coupled { dem, phases, networks, .. } = self;
+            let follow = networks.acceleration().update == Update::EveryStep;
             if let Some(wet) = &mut networks.current {
-                let velocity = &dem.particles().velocity;
-                wet.advance(&motion(dem, velocity, dt), phases)?;
+                let particles = dem.particles();
+                let mut motion = motion(dem, &particles.velocity, dt);
+                if follow {
+                    motion.place = Some(Place {
+                        position: &particles.position,
+                        radius: &particles.radius,
+                        bounds: dem.box_(),
+                        fluid: &saturation.fluid,
+                    });
+                }
+                wet.advance(&motion, phases)?;
             }
         }
         self.integrate(dt)?;
@@ -152,10 +171,20 @@ impl Coupled {
     /// Contact forces, and beside them the fluid's: both follow from positions
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
-    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, networks, phases, velocity, .. } = self;
-        velocity.clone_from(&dem.particles().velocity);
-        let motion = motion(dem, velocity, dt);
+    fn contacts_beside_fluid(&mut self, dt: f64, fluid: &Fluid) -> Result<()> {
+        let Coupled { dem, networks, phases, beside, .. } = self;
+        beside.velocity.clone_from(&dem.particles().velocity);
+        let mut motion = motion(dem, &beside.velocity, dt);
+        if networks.acceleration().update == Update::EveryStep {
+            beside.position.clone_from(&dem.particles().position);
+            beside.radius.clone_from(&dem.particles().radius);
+            motion.place = Some(Place {
+                position: &beside.position,
+                radius: &beside.radius,
+                bounds: dem.box_(),
+                fluid,
+            });
+        }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();
         let (contacts, fluid): (Result<(), DemError>, Result<()>) = rayon::join(
@@ -176,7 +205,10 @@ impl Coupled {
         let Coupled { dem, networks, phases, .. } = self;
         let wet = networks.current.as_ref();
         dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
-        if let Some(flow) = wet.map(|wet| &wet.flow) {
+        if let Some(Wet { flow, iterations, state, .. }) = wet {
+            if let Some(went) = iterations {
+                self.update_counts.add(*went, state.worn);
+            }
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
@@ -275,6 +307,11 @@ impl Coupled {
         &self.networks.counts
     }
 
+    /// What following the spheres between remeshes took.
+    pub fn update_counts(&self) -> &UpdateCounts {
+        &self.update_counts
+    }
+
     /// What a GPU did, where the solver asks for one.
     pub fn gpu_use(&self) -> &GpuUse {
         &self.networks.gpu
@@ -348,5 +385,6 @@ fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> Motion<'a> {
         walls: walls.each_ref().map(|w| w.velocity),
         servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
         dt,
+        place: None,
     }
 }

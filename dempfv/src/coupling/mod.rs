@@ -53,9 +53,10 @@ pub use outcome::{
     PermeabilityTest, Profile, StageOutcome,
 };
 pub use phases::{Phase, Phases};
-pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule};
+pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
 pub use setup::initial_packing;
 pub use simulation::{Simulation, State};
 pub use stability::Stability;
+pub use wet::PRESSURE_ERROR;
 
 pub use crate::time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};

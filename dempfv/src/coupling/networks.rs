@@ -86,8 +86,8 @@ impl Due {
         // An interval of no steps would be one of every step.
         let old = |halves: u64| interval.is_some_and(|n| since >= n.max(1) * halves / 2);
         let strain = wet.strain(rule);
-        let strained = strain > 1.0;
-        Due { half: old(1) || strain > 0.5, whole: old(2) || strained, strained }
+        let strained = strain > 1.0 || wet.state.worn;
+        Due { half: old(1) || strain > 0.5 || strained, whole: old(2) || strained, strained }
     }
 }
 
@@ -111,7 +111,9 @@ impl Networks {
 
     /// Changes how networks are renewed. The one in use stays.
     pub fn accelerate(&mut self, acceleration: Acceleration) {
-        if acceleration != self.acceleration {
+        if acceleration.update != self.acceleration.update {
+            self.outdate();
+        } else if acceleration != self.acceleration {
             self.forget_pending();
         }
         self.acceleration = acceleration;
@@ -306,6 +308,7 @@ impl Networks {
                 self.counts.failures += 1;
                 if let Some(wet) = &mut self.current {
                     wet.state.since = 0;
+                    wet.state.worn = false;
                 }
                 Ok(false)
             }
@@ -416,6 +419,8 @@ impl Networks {
             snapshot,
             since: 0,
             volume_change,
+            resistance: [None; 6],
+            worn: false,
             course: Course::default(),
             pending: None,
             fastest,

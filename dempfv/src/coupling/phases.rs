@@ -11,6 +11,8 @@ pub enum Phase {
     Contacts,
     /// Servo walls, damping, leapfrog.
     Integration,
+    /// Volumes, conductances and operators of the moment.
+    Update,
     /// `V̇ = E v`.
     VolumeRates,
     /// `G p = -V̇ + Q`.
@@ -33,9 +35,10 @@ pub enum Phase {
 
 impl Phase {
     /// All phases.
-    pub const ALL: [Phase; 11] = [
+    pub const ALL: [Phase; 12] = [
         Phase::Contacts,
         Phase::Integration,
+        Phase::Update,
         Phase::VolumeRates,
         Phase::Solve,
         Phase::FluidForces,
@@ -52,6 +55,7 @@ impl Phase {
         [
             "contacts",
             "integration",
+            "update",
             "volume_rates",
             "solve",
             "fluid_forces",

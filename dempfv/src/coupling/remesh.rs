@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stability::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::{BuildTimes, Course};
+use crate::pfv::{BuildTimes, Course, Iterations};
 use crate::{Aabb, Vec3};
 
 /// When the pore network is built anew: whichever comes first.
@@ -47,6 +47,11 @@ pub struct FluidState {
     /// Change of each pore's volume since the snapshot (m³); empty without the
     /// strain rule.
     pub(super) volume_change: Vec<f64>,
+    /// The fluid's resistance to each wall that a servo held (N·s/m), once it
+    /// is known for this network.
+    pub(super) resistance: [Option<f64>; 6],
+    /// The network cannot follow the spheres any further.
+    pub(super) worn: bool,
     /// The pressures that the next solve goes on from.
     pub(super) course: Course,
     /// What the next network is being built from.
@@ -97,6 +102,35 @@ impl RemeshCounts {
         self.swaps += 1;
         self.largest_age = self.largest_age.max(age);
         self.total_age += age;
+    }
+}
+
+/// What following the spheres between remeshes took, since the simulation
+/// began or was restarted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UpdateCounts {
+    /// Solves that were iterated.
+    pub solves: u64,
+    /// Applications of the factors in them.
+    pub applications: u64,
+    /// Most applications in one solve.
+    pub most_applications: u32,
+    /// Estimated error of the last pressures ([`Iterations::error`]).
+    pub last_error: f64,
+    /// The largest estimated error of any step.
+    pub largest_error: f64,
+    /// Networks that were worn out before a remesh was due.
+    pub worn_out: u64,
+}
+
+impl UpdateCounts {
+    pub(super) fn add(&mut self, went: Iterations, worn: bool) {
+        self.solves += 1;
+        self.applications += u64::from(went.applications);
+        self.most_applications = self.most_applications.max(went.applications);
+        self.last_error = went.error;
+        self.largest_error = self.largest_error.max(went.error);
+        self.worn_out += u64::from(worn);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, RemeshRule, Snapshot};
-use crate::pfv::{Flow, NONE};
-use crate::{Result, Vec3, WallId};
+use crate::pfv::{Flow, Fluid, Iterations, NONE};
+use crate::{Aabb, Result, Vec3, WallId};
 
 /// What the fluid feels of spheres and walls in a step.
 pub(super) struct Motion<'a> {
@@ -15,41 +15,72 @@ pub(super) struct Motion<'a> {
     pub servo: [bool; 6],
     /// The time step (s).
     pub dt: f64,
+    /// Where they are, if the network follows them.
+    pub place: Option<Place<'a>>,
 }
+
+/// Where spheres and walls are, and what flows between them.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    /// Sphere centres (m).
+    pub position: &'a [Vec3],
+    /// Radii (m).
+    pub radius: &'a [f64],
+    /// The box (m).
+    pub bounds: Aabb,
+    /// The fluid that the network was built for.
+    pub fluid: &'a Fluid,
+}
+
+/// Least error that is asked of iterated pressures (1), whatever the
+/// tolerance; see [`Flow::iterate`].
+pub const PRESSURE_ERROR: f64 = 1e-6;
+/// A network that takes so many applications of its factor is worn out.
+const MANY: u32 = 24;
 
 /// A network, and what a checkpoint must know of it.
 pub(super) struct Wet {
     pub flow: Flow,
     pub state: FluidState,
-    /// The fluid's resistance to each servo-controlled wall (N·s/m), once it
-    /// is known for this network.
-    resistance: [Option<f64>; 6],
+    /// How the last solve went, if it was iterated.
+    pub iterations: Option<Iterations>,
     /// The pore of each probe, once it was looked for; [`NONE`] outside the box.
     probed: Vec<u32>,
 }
 
 impl Wet {
     pub fn new(flow: Flow, state: FluidState) -> Wet {
-        Wet { flow, state, resistance: [None; 6], probed: vec![] }
+        Wet { flow, state, iterations: None, probed: vec![] }
     }
 
     /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
     /// 2020).
     pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
-        let flow = &mut self.flow;
+        let Wet { flow, state, iterations, .. } = self;
+        if let Some(Place { position, radius, bounds, fluid }) = motion.place {
+            let wear = phases.time(Phase::Update, || flow.follow(position, radius, &bounds, fluid));
+            state.worn = wear.inverted + wear.lost > 0;
+        }
         phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
-        phases.time(Phase::Solve, || flow.update_pressure())?;
+        if motion.place.is_some() {
+            let tolerance = flow.tolerance().max(PRESSURE_ERROR);
+            let went = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
+            state.worn |= went.applications >= MANY;
+            *iterations = Some(went);
+        } else {
+            phases.time(Phase::Solve, || flow.update_pressure())?;
+        }
         for wall in WallId::ALL {
-            let known = &mut self.resistance[wall.index()];
+            let known = &mut state.resistance[wall.index()];
             if motion.servo[wall.index()] && known.is_none() {
                 *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
             }
         }
         phases.time(Phase::FluidForces, || flow.update_force());
-        for (change, rate) in self.state.volume_change.iter_mut().zip(flow.volume_rate()) {
+        for (change, rate) in state.volume_change.iter_mut().zip(flow.volume_rate()) {
             *change += rate * motion.dt;
         }
-        self.state.since += 1;
+        state.since += 1;
         Ok(())
     }
 
@@ -75,7 +106,7 @@ impl Wet {
 
     /// The fluid's resistance to each wall (N·s/m); 0 where nobody asked.
     pub fn resistance(&self) -> [f64; 6] {
-        self.resistance.map(|r| r.unwrap_or(0.0))
+        self.state.resistance.map(|r| r.unwrap_or(0.0))
     }
 
     /// What a checkpoint needs after so many steps, but for what is on its way.
@@ -87,7 +118,7 @@ impl Wet {
     /// the first has reached it; 0 without the rule.
     pub fn strain(&self, rule: &RemeshRule) -> f64 {
         let Some(limit) = rule.strain else { return 0.0 };
-        let volume = self.flow.network.volume.iter();
+        let volume = self.flow.built_volume().iter();
         let strains = volume.zip(&self.state.volume_change).map(|(v, change)| (change / v).abs());
         strains.fold(0.0, f64::max) / limit
     }

@@ -3,6 +3,8 @@
 use super::build::{Assembled, BuildTimes, Spare};
 use super::carry::Carried;
 use super::course::Course;
+use super::follow::Follower;
+use super::iterate::Gradients;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -36,18 +38,21 @@ pub struct Flow {
     /// Its operators.
     pub operators: Operators,
     /// `None` when every pore has an imposed pressure.
-    factor: Option<Box<dyn Factor>>,
+    pub(super) factor: Option<Box<dyn Factor>>,
     solver: SolverKind,
     analysis_reused: bool,
     residual: Option<f64>,
-    imbalance: f64,
+    pub(super) imbalance: f64,
     tolerance: f64,
     build_times: BuildTimes,
-    rhs: Vec<f64>,
-    course: Course,
-    correction: Vec<f64>,
-    pressure: Vec<f64>,
-    volume_rate: Vec<f64>,
+    /// Once the network has followed its spheres.
+    pub(super) follower: Option<Box<Follower>>,
+    pub(super) gradients: Box<Gradients>,
+    pub(super) rhs: Vec<f64>,
+    pub(super) course: Course,
+    pub(super) correction: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    pub(super) volume_rate: Vec<f64>,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
@@ -134,6 +139,8 @@ impl Flow {
             imbalance: 0.0,
             tolerance: TOLERANCE,
             build_times,
+            follower: None,
+            gradients: Box::default(),
             rhs: vec![0.0; unknowns],
             course: Course::at_rest(unknowns),
             correction: vec![0.0; unknowns],
@@ -148,7 +155,11 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(self) -> (Carried, Option<Spare>) {
+    pub fn retire(mut self) -> (Carried, Option<Spare>) {
+        if let Some(follower) = self.follower.take() {
+            // After a restart, these are all that is known.
+            self.network.center = follower.built_center();
+        }
         let (around, matrix) = self.operators.retire();
         let carried = Carried::new(self.network, around, self.pressure);
         (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix)))
@@ -235,6 +246,10 @@ impl Flow {
             }
         }
         self.course.solved();
+        self.check_pressure()
+    }
+
+    pub(super) fn check_pressure(&self) -> Result<()> {
         match self.pressure.iter().position(|p| !p.is_finite()) {
             None => Ok(()),
             Some(pore) => Err(PfvError::PressureNotFinite { pore: pore as u32 }.into()),
@@ -246,6 +261,11 @@ impl Flow {
     /// largest). At first 1e-11. A larger one may spare a second solve per step.
     pub fn set_tolerance(&mut self, tolerance: f64) {
         self.tolerance = tolerance;
+    }
+
+    /// What a solve may leave ([`Flow::set_tolerance`]).
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
     }
 
     /// One solve for the change of the pressures.

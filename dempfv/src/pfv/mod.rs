@@ -9,6 +9,7 @@
 //! Walls are exact planes in every formula. Only the triangulation itself sees
 //! them as huge spheres.
 
+mod angle;
 mod build;
 mod carry;
 mod clamp;
@@ -16,17 +17,22 @@ mod course;
 mod error;
 mod flow;
 mod fluid;
+mod follow;
 
 mod frame;
+mod iterate;
 mod krylov;
+mod lanes;
 mod locate;
 mod network;
 mod operators;
 mod outlets;
 mod polyhedra;
 mod pore;
+mod pore_batch;
 mod tessellation;
 mod throat;
+mod throat_batch;
 mod viscous;
 
 pub use build::{Analyzed, Assembled, BuildTimes, Spare};
@@ -36,6 +42,8 @@ pub use course::Course;
 pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
+pub use follow::Wear;
+pub use iterate::Iterations;
 
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;

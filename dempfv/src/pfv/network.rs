@@ -2,11 +2,19 @@
 
 use rayon::prelude::*;
 
-use super::frame::{FACETS, Frame};
+use super::frame::{FACETS, Frame, Vertex};
+use super::lanes::LANES;
 use super::pore::Pore;
+use super::pore_batch::PoreBatch;
 use super::throat::{Throat, WallFriction, throat};
+use super::throat_batch::ThroatBatch;
 use super::{Fluid, NONE, PfvError, Tessellation};
 use crate::{Aabb, Vec3};
+
+const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+
+/// Pores that one task takes.
+const TASK: usize = 4_096;
 
 /// Throats between pores, each once; sorted by first pore.
 #[derive(Clone, Debug, Default)]
@@ -67,21 +75,19 @@ impl Network {
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
         let (pairs, throat_of) = number_throats(&tessellation);
-        let friction = WallFriction {
-            slip: fluid.slip_walls,
-            open: fluid.boundary.pressure.map(|p| p.is_some()),
-        };
-        let evaluated = evaluate_throats(&frame, &tessellation, &pores, &pairs, friction);
+        let friction = WallFriction::of(fluid);
+        let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &pairs, friction);
         let conductance = conductances(&evaluated, fluid);
         check_finite(&tessellation, &pairs, &conductance)?;
-        let push = gather_push(&tessellation, &pairs, &evaluated, &throat_of, &pores);
-        let volume_gradient = pores.par_iter().map(|p| p.gradient).collect();
+        let push = gather_push(&tessellation, &pairs, &evaluated, &throat_of, &pores.gradient);
+        let Pores { mut center, volume, gradient: volume_gradient } = pores;
+        center.par_iter_mut().for_each(|x| *x += bounds.min);
         let network = Network {
             bounds,
             viscosity: fluid.viscosity,
-            center: pores.par_iter().map(|p| p.center + bounds.min).collect(),
-            volume: pores.par_iter().map(|p| p.volume).collect(),
-            throats: Throats { pores: pairs.iter().map(|t| t.pores).collect(), conductance },
+            center,
+            volume,
+            throats: Throats { pores: pairs.par_iter().map(|t| t.pores).collect(), conductance },
             throat_of,
             tessellation,
         };
@@ -114,85 +120,199 @@ impl Network {
     }
 }
 
-/// A throat's place: its pores, and the facet as the first pore numbers it.
-struct Place {
-    pores: [u32; 2],
-    facet: usize,
+/// The pores, in the coordinates of the frame.
+struct Pores {
+    center: Vec<Vec3>,
+    volume: Vec<f64>,
+    gradient: Vec<[Vec3; 4]>,
 }
 
-fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Vec<Pore>, PfvError> {
-    let pores: Vec<Option<Pore>> = t.cells.par_iter().map(|&cell| Pore::new(frame, cell)).collect();
-    let mut out = Vec::with_capacity(pores.len());
-    for (i, pore) in pores.into_iter().enumerate() {
-        let name = || t.vertices_of(i as u32);
-        let pore = pore.ok_or_else(|| PfvError::BadPore { pore: i as u32, vertices: name() })?;
-        if !pore.center.iter().chain([&pore.volume]).all(|v| v.is_finite()) {
-            return Err(PfvError::NotFinite {
-                pore: i as u32,
-                vertices: name(),
-                quantity: "the pore's centre or volume",
-            });
+/// A throat's place: its pores, and the facet as the first pore numbers it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Place {
+    pub pores: [u32; 2],
+    pub facet: u32,
+}
+
+fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
+    let blocks = t.cells.par_chunks(LANES).map(|cells| pores_at(frame, cells));
+    let (center, (volume, gradient)): (Vec<_>, (Vec<_>, Vec<_>)) = blocks.unzip();
+    let mut pores = Pores {
+        center: Vec::into_flattened(center),
+        volume: Vec::into_flattened(volume),
+        gradient: Vec::into_flattened(gradient),
+    };
+    pores.center.truncate(t.cells.len());
+    pores.volume.truncate(t.cells.len());
+    pores.gradient.truncate(t.cells.len());
+    let finite = |(x, v): (&Vec3, &f64)| x.iter().chain([v]).all(|v| v.is_finite());
+    let Some(i) = (&pores.center, &pores.volume).into_par_iter().position_first(|p| !finite(p))
+    else {
+        return Ok(pores);
+    };
+    let (pore, vertices) = (i as u32, t.vertices_of(i as u32));
+    Err(match Pore::new(frame, t.cells[i]) {
+        None => PfvError::BadPore { pore, vertices },
+        Some(_) => PfvError::NotFinite { pore, vertices, quantity: "the pore's centre or volume" },
+    })
+}
+
+pub(super) type Block<T> = [T; LANES];
+
+/// Centres, volumes and gradients of up to [`LANES`] pores; not a number where
+/// there is none.
+pub(super) fn pores_at(
+    frame: &Frame,
+    cells: &[[u32; 4]],
+) -> (Block<Vec3>, (Block<f64>, Block<[Vec3; 4]>)) {
+    let mut batch = PoreBatch::new();
+    for (l, cell) in cells.iter().enumerate() {
+        if let [Some(a), Some(b), Some(c), Some(d)] = cell.map(|v| sphere(frame, v)) {
+            batch.set(l, [a, b, c, d]);
         }
-        out.push(pore);
     }
-    Ok(out)
+    batch.evaluate();
+    let mut out = ([NAN; LANES], ([f64::NAN; LANES], [[NAN; 4]; LANES]));
+    for (l, &cell) in cells.iter().enumerate() {
+        let inside = cell.iter().all(|&v| (v as usize) < frame.spheres());
+        let pore = if inside { Some(batch.pore(l)) } else { Pore::new(frame, cell) };
+        if let Some(pore) = pore {
+            out.0[l] = pore.center;
+            out.1.0[l] = pore.volume;
+            out.1.1[l] = pore.gradient;
+        }
+    }
+    out
 }
 
 /// Numbers each facet between two pores once, by its smaller pore.
-fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
-    let mut places = Vec::with_capacity(2 * t.cells.len());
-    let mut throat_of = vec![[NONE; 4]; t.cells.len()];
-    for (i, around) in t.neighbors.iter().enumerate() {
-        for (facet, &j) in around.iter().enumerate() {
-            if j == NONE || (j as usize) < i {
-                continue;
-            }
-            let number = places.len() as u32;
-            throat_of[i][facet] = number;
-            if let Some(back) = t.neighbors[j as usize].iter().position(|&b| b as usize == i) {
-                throat_of[j as usize][back] = number;
-            }
-            places.push(Place { pores: [i as u32, j], facet });
-        }
+pub(super) fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
+    // Throats before each pore's own.
+    let mut start = Vec::with_capacity(t.cells.len());
+    let mut total = 0;
+    for (i, &around) in t.neighbors.iter().enumerate() {
+        start.push(total);
+        total += owned_before(i as u32, around, 4);
     }
+    let throat_of = t.neighbors.par_iter().enumerate().map(|(i, &around)| {
+        let i = i as u32;
+        let mut numbers = [NONE; 4];
+        for (facet, number) in numbers.iter_mut().enumerate() {
+            let j = around[facet];
+            if owns(i, j) {
+                *number = start[i as usize] + owned_before(i, around, facet);
+            } else if j != NONE {
+                let theirs = t.neighbors[j as usize];
+                *number = start[j as usize] + owned_before(j, theirs, place_of(i, theirs));
+            }
+        }
+        numbers
+    });
+    let throat_of = throat_of.collect();
+    let mut places = vec![Place::default(); total as usize];
+    let mut tasks = Vec::with_capacity(t.cells.len() / TASK + 1);
+    let mut rest = places.as_mut_slice();
+    for first in (0..t.cells.len()).step_by(TASK) {
+        let end = start.get(first + TASK).copied().unwrap_or(total);
+        let (task, after) = rest.split_at_mut((end - start[first]) as usize);
+        tasks.push((first, task));
+        rest = after;
+    }
+    tasks.into_par_iter().for_each(|(first, task)| {
+        let pores = t.neighbors.iter().enumerate().skip(first).take(TASK);
+        let facets = pores.flat_map(|(i, around)| {
+            (0..4).map(move |facet| Place { pores: [i as u32, around[facet as usize]], facet })
+        });
+        let owned = facets.filter(|place| owns(place.pores[0], place.pores[1]));
+        task.iter_mut().zip(owned).for_each(|(place, owned)| *place = owned);
+    });
     (places, throat_of)
+}
+
+/// Whether the throat between two pores is numbered by the first.
+fn owns(i: u32, j: u32) -> bool {
+    j != NONE && j > i
+}
+
+/// How many of the facets before this one a pore numbers.
+fn owned_before(i: u32, around: [u32; 4], facet: usize) -> u32 {
+    (0..4).map(|k| u32::from(k < facet && owns(i, around[k]))).sum()
+}
+
+/// Where a number stands among the last three of four; else at the first.
+/// Without branches, which would be guessed wrong half the time.
+fn place_of(wanted: u32, among: [u32; 4]) -> usize {
+    (1..4).map(|k| if among[k] == wanted { k } else { 0 }).sum()
 }
 
 fn evaluate_throats(
     frame: &Frame,
     t: &Tessellation,
-    pores: &[Pore],
+    center: &[Vec3],
     places: &[Place],
     friction: WallFriction,
 ) -> Vec<Throat> {
-    places
-        .par_iter()
-        .map(|place| {
-            let [i, j] = place.pores.map(|p| p as usize);
-            let facet = FACETS[place.facet].map(|k| t.cells[i][k]);
+    let mut throats = places
+        .par_chunks(LANES)
+        .map(|places| throats_at(frame, &t.cells, center, places, friction))
+        .collect::<Vec<_>>()
+        .into_flattened();
+    throats.truncate(places.len());
+    throats
+}
+
+/// Evaluates up to [`LANES`] throats; those past the places' end are closed.
+pub(super) fn throats_at(
+    frame: &Frame,
+    cells: &[[u32; 4]],
+    center: &[Vec3],
+    places: &[Place],
+    friction: WallFriction,
+) -> [Throat; LANES] {
+    let facet =
+        |place: &Place| FACETS[place.facet as usize].map(|k| cells[place.pores[0] as usize][k]);
+    let between = |place: &Place| place.pores.map(|p| center[p as usize]);
+    let mut batch = ThroatBatch::new();
+    let mut batched = [false; LANES];
+    for (l, place) in places.iter().enumerate() {
+        if let [Some(a), Some(b), Some(c)] = facet(place).map(|v| sphere(frame, v)) {
+            batch.set(l, [a, b, c], between(place));
+            batched[l] = true;
+        }
+    }
+    batch.evaluate();
+    std::array::from_fn(|l| {
+        let Some(place) = places.get(l) else { return Throat::CLOSED };
+        batched[l].then(|| batch.throat(l)).flatten().unwrap_or_else(|| {
+            let [p1, p2] = between(place);
             // A facet of three walls lies on the hull and separates no pores.
-            throat(frame, friction, facet, pores[i].center, pores[j].center)
-                .unwrap_or(Throat::CLOSED)
+            throat(frame, friction, facet(place), p1, p2).unwrap_or(Throat::CLOSED)
         })
-        .collect()
+    })
+}
+
+fn sphere(frame: &Frame, vertex: u32) -> Option<(Vec3, f64)> {
+    match frame.vertex(vertex) {
+        Vertex::Sphere { x, r } => Some((x, r)),
+        Vertex::Wall(_) => None,
+    }
 }
 
 fn conductances(throats: &[Throat], fluid: &Fluid) -> Vec<f64> {
-    let (low, high) = fluid.clamp.bounds(throats, fluid.viscosity);
-    throats
-        .par_iter()
-        .map(|t| {
-            let g = t.conductance(fluid.viscosity);
-            // Comparisons that let NaN through, to be named afterwards.
-            if g < low {
-                low
-            } else if g > high {
-                high
-            } else {
-                g
-            }
-        })
-        .collect()
+    let bounds = fluid.clamp.bounds(throats, fluid.viscosity);
+    throats.par_iter().map(|t| bounded(t.conductance(fluid.viscosity), bounds)).collect()
+}
+
+/// A conductance within bounds. Comparisons that let NaN through, to be named
+/// afterwards.
+pub(super) fn bounded(g: f64, (low, high): (f64, f64)) -> f64 {
+    if g < low {
+        low
+    } else if g > high {
+        high
+    } else {
+        g
+    }
 }
 
 fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Result<(), PfvError> {
@@ -209,41 +329,43 @@ fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Resu
     }
 }
 
-/// Adds up, per pore and vertex, what the pore's throats push, and what the
-/// pressure pushes on the walls across the opposite facet.
 fn gather_push(
     t: &Tessellation,
     places: &[Place],
     throats: &[Throat],
     throat_of: &[[u32; 4]],
-    pores: &[Pore],
+    gradient: &[[Vec3; 4]],
 ) -> Vec<[Vec3; 4]> {
-    (0..t.cells.len())
-        .into_par_iter()
-        .map(|i| {
-            let mut push = [Vec3::zeros(); 4];
-            for &number in &throat_of[i] {
-                if number == NONE {
-                    continue;
-                }
-                let (place, throat) = (&places[number as usize], &throats[number as usize]);
-                let first = place.pores[0] as usize;
-                let sign = if first == i { 1.0 } else { -1.0 };
-                for (k, force) in FACETS[place.facet].iter().zip(throat.push) {
-                    let vertex = t.cells[first][*k];
-                    if let Some(here) = t.cells[i].iter().position(|&v| v == vertex) {
-                        push[here] += sign * force;
-                    }
-                }
-            }
-            for (k, &vertex) in t.cells[i].iter().enumerate() {
-                if t.wall(vertex).is_some() {
-                    // The facet's projection on the wall is what the volume
-                    // gains where the wall moves outward.
-                    push[k] += pores[i].gradient[k];
-                }
-            }
-            push
-        })
-        .collect()
+    let push = |i: usize| push_of(t, places, throats, &throat_of[i], &gradient[i], i);
+    (0..t.cells.len()).into_par_iter().map(push).collect()
+}
+
+/// Adds up, for each vertex of pore `i`, what the pore's throats push, and
+/// what the pressure pushes on the walls across the opposite facet.
+pub(super) fn push_of(
+    t: &Tessellation,
+    places: &[Place],
+    throats: &[Throat],
+    throat_of: &[u32; 4],
+    gradient: &[Vec3; 4],
+    i: usize,
+) -> [Vec3; 4] {
+    let mut push = [Vec3::zeros(); 4];
+    for &number in throat_of.iter().filter(|&&number| number != NONE) {
+        let (place, throat) = (&places[number as usize], &throats[number as usize]);
+        let first = place.pores[0] as usize;
+        let sign = if first == i { 1.0 } else { -1.0 };
+        for (&k, force) in FACETS[place.facet as usize].iter().zip(throat.push) {
+            let vertex = t.cells[first][k];
+            push[place_of(vertex, t.cells[i])] += sign * force;
+        }
+    }
+    for (k, &vertex) in t.cells[i].iter().enumerate() {
+        if t.wall(vertex).is_some() {
+            // The facet's projection on the wall is what the volume gains
+            // where the wall moves outward.
+            push[k] += gradient[k];
+        }
+    }
+    push
 }

@@ -9,9 +9,9 @@ use crate::solver::SymmetricCsc;
 use crate::{Vec3, WallId};
 
 /// Below this many pores one thread is faster than handing work over.
-const SERIAL: usize = 16_384;
+pub(super) const SERIAL: usize = 16_384;
 /// Pores or spheres that one task takes.
-const TASK: usize = 4_096;
+pub(super) const TASK: usize = 4_096;
 
 /// `G`, `E` and `F` for one network and its boundary conditions.
 #[derive(Clone, Debug)]
@@ -24,35 +24,37 @@ pub struct Operators {
     pub unknown_of: Vec<u32>,
     /// Wall that imposes a pore's pressure, by its index; 6 for none.
     imposed_by: Vec<u8>,
-    outlets: Outlets,
-    boundary: Boundary,
-    volume: VolumeRate,
-    forces: Forces,
+    pub(super) outlets: Outlets,
+    pub(super) boundary: Boundary,
+    pub(super) volume: VolumeRate,
+    pub(super) forces: Forces,
 }
 
 /// `E`: per pore the vertices and the volume's derivative.
 #[derive(Clone, Debug)]
-struct VolumeRate {
+pub(super) struct VolumeRate {
     vertices: Vec<[u32; 4]>,
-    gradient: Vec<[Vec3; 4]>,
+    pub gradient: Vec<[Vec3; 4]>,
 }
 
 /// `F` by rows: for each sphere, then each wall, the pores that push it.
 #[derive(Clone, Debug)]
-struct Forces {
-    pores: Incidence,
-    push: Vec<Vec3>,
+pub(super) struct Forces {
+    pub pores: Incidence,
+    pub push: Vec<Vec3>,
 }
 
 /// For each sphere, then each wall, the pores that it is a vertex of.
 #[derive(Clone, Debug)]
 pub(super) struct Incidence {
     start: Vec<u32>,
-    pore: Vec<u32>,
+    /// Pore of each entry.
+    pub pore: Vec<u32>,
 }
 
 impl Incidence {
-    fn range(&self, vertex: usize) -> std::ops::Range<usize> {
+    /// The entries of a vertex.
+    pub(super) fn range(&self, vertex: usize) -> std::ops::Range<usize> {
         self.start[vertex] as usize..self.start[vertex + 1] as usize
     }
 

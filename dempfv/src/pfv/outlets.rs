@@ -19,7 +19,8 @@ pub(super) struct Outlets {
     pores: Vec<(u32, u8)>,
     /// Throats across a surface: the pore within, the one outside, the wall.
     throats: Vec<([u32; 2], u8)>,
-    /// Their conductances (m³/(Pa·s)).
+    /// Their numbers, and their conductances (m³/(Pa·s)).
+    numbers: Vec<u32>,
     conductance: Vec<f64>,
 }
 
@@ -32,14 +33,23 @@ impl Outlets {
         for (i, &wall) in within.iter().enumerate().filter(|(_, wall)| **wall < 6) {
             outlets.pores.push((i as u32, wall));
             let around = network.tessellation.neighbors[i];
-            for (j, g) in around.into_iter().zip(network.conductances_of(i)) {
+            for (j, number) in around.into_iter().zip(network.throat_of[i]) {
                 if j != NONE && within[j as usize] != wall {
                     outlets.throats.push(([i as u32, j], wall));
-                    outlets.conductance.push(g);
+                    outlets.numbers.push(number);
                 }
             }
         }
+        outlets.conductance = vec![0.0; outlets.numbers.len()];
+        outlets.follow(&network.throats.conductance);
         outlets
+    }
+
+    /// Takes other conductances of the same throats (m³/(Pa·s)).
+    pub fn follow(&mut self, conductance: &[f64]) {
+        for (g, &number) in self.conductance.iter_mut().zip(&self.numbers) {
+            *g = conductance[number as usize];
+        }
     }
 
     /// Flux through each wall, positive into the box (m³/s).

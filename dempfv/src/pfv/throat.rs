@@ -6,6 +6,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::Fluid;
 use super::frame::{Frame, Vertex};
 use crate::{Vec3, WallId};
 
@@ -13,7 +14,7 @@ use crate::{Vec3, WallId};
 /// length. The pores of a cospherical cluster (any regular lattice has them)
 /// have one and the same centre up to round-off; without the bound round-off
 /// would choose the conductance between them, and its logarithm.
-const SHORTEST: f64 = 1e-6;
+pub(super) const SHORTEST: f64 = 1e-6;
 
 /// Which walls stand still with respect to the fluid.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,12 @@ pub(super) struct WallFriction {
 }
 
 impl WallFriction {
+    /// The walls of a fluid.
+    pub fn of(fluid: &Fluid) -> WallFriction {
+        let open = fluid.boundary.pressure.map(|p| p.is_some());
+        WallFriction { slip: fluid.slip_walls, open }
+    }
+
     fn drags(&self, wall: WallId) -> bool {
         !self.slip && !self.open[wall.index()]
     }

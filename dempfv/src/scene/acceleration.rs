@@ -74,6 +74,29 @@ impl OnFailure {
     }
 }
 
+/// What follows the spheres between two remeshes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Update {
+    /// Nothing: network, operators and factor are those of the last remesh.
+    #[default]
+    Remesh,
+    /// Everything but the triangulation: volumes, conductances and operators
+    /// are those of the positions at every step. The solve is iterated with
+    /// the factor of the last remesh.
+    EveryStep,
+}
+
+impl Update {
+    /// Every choice.
+    pub const ALL: [Update; 2] = [Update::Remesh, Update::EveryStep];
+
+    /// The choice's name in scenes.
+    pub const fn name(self) -> &'static str {
+        ["remesh", "every step"][self as usize]
+    }
+}
+
 /// What makes a coupled run faster. The default is the plain time loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acceleration {
@@ -89,4 +112,6 @@ pub struct Acceleration {
     pub auto_interval: bool,
     /// Whether volumes, solve and fluid forces run beside the contact forces.
     pub parallel_tasks: bool,
+    /// What follows the spheres between two remeshes.
+    pub update: Update,
 }

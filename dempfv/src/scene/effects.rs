@@ -1,12 +1,12 @@
 //! Which effects a plan simulates, by name.
 
-use super::acceleration::RemeshMode;
+use super::acceleration::{RemeshMode, Update};
 use super::plan::*;
 use crate::pfv::Clamp;
 
 impl Plan {
     /// Every effect the program knows, and whether this plan simulates it.
-    fn effects(&self) -> [(&'static str, bool); 15] {
+    fn effects(&self) -> [(&'static str, bool); 16] {
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
         let contacts = self.dem.is_some() && any(StageKind::moves);
         let coupled = self.fluid.is_some() && any(StageKind::is_coupled);
@@ -31,6 +31,10 @@ impl Plan {
             (
                 "background remesh",
                 coupled && fluid(|f| f.acceleration.remesh == RemeshMode::Background),
+            ),
+            (
+                "network at every step",
+                coupled && fluid(|f| f.acceleration.update == Update::EveryStep),
             ),
             ("parallel tasks", coupled && fluid(|f| f.acceleration.parallel_tasks)),
         ]

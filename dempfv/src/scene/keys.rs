@@ -44,6 +44,7 @@ pub(super) static FLUID: Schema = table(
         "remesh",
         "swap",
         "on_failure",
+        "update",
         "parallel_tasks",
         "slip_walls",
         "clamp",

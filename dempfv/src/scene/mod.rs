@@ -14,7 +14,7 @@ mod plan;
 mod rules;
 mod table;
 
-pub use acceleration::{Acceleration, OnFailure, RemeshMode, Swap};
+pub use acceleration::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 pub use estimate::{Estimate, Specimen};
 pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use dempfv::coupling::Coupled;
-use dempfv::scene::RemeshMode;
+use dempfv::coupling::{Coupled, UpdateCounts};
+use dempfv::scene::{RemeshMode, Update};
 use serde::Serialize;
 
 use crate::commands::format::count;
@@ -30,6 +30,37 @@ pub struct Remesh {
     interval: Option<u64>,
     /// What the background took (ms), beside the time loop.
     background_ms: BTreeMap<&'static str, f64>,
+    /// `remesh` or `every step`.
+    update: &'static str,
+    /// What following the spheres took; `None` where networks do not.
+    every_step: Option<EveryStep>,
+}
+
+/// What following the spheres between remeshes took.
+#[derive(Serialize)]
+struct EveryStep {
+    solves: u64,
+    /// Applications of the factors in a solve.
+    mean_applications: f64,
+    most_applications: u32,
+    /// Estimated errors of the pressures.
+    last_error: f64,
+    largest_error: f64,
+    /// Networks that were worn out before a remesh was due.
+    worn_out: u64,
+}
+
+impl EveryStep {
+    fn of(counts: &UpdateCounts) -> EveryStep {
+        EveryStep {
+            solves: counts.solves,
+            mean_applications: counts.applications as f64 / counts.solves.max(1) as f64,
+            most_applications: counts.most_applications,
+            last_error: counts.last_error,
+            largest_error: counts.largest_error,
+            worn_out: counts.worn_out,
+        }
+    }
 }
 
 impl Remesh {
@@ -54,10 +85,14 @@ impl Remesh {
             ]
             .map(|(name, spent)| (name, 1e3 * spent.as_secs_f64()))
             .into(),
+            update: acceleration.update.name(),
+            every_step: (acceleration.update == Update::EveryStep)
+                .then(|| EveryStep::of(coupled.update_counts())),
         }
     }
 
-    /// What is worth a line: only what happened in the background, or failed.
+    /// What is worth a line: only what happened in the background, failed, or
+    /// followed the spheres.
     pub fn line(&self) -> Option<String> {
         let mut parts = vec![];
         if self.mode == RemeshMode::Background.name() {
@@ -70,6 +105,15 @@ impl Remesh {
                 "replaced at an age of {mean:.0} steps, {} at most",
                 count(self.largest_age)
             ));
+        }
+        if let Some(every_step) = self.every_step.as_ref().filter(|e| e.solves > 0) {
+            parts.push(format!(
+                "followed the spheres with {:.1} applications a step, error {:.0e} at most",
+                every_step.mean_applications, every_step.largest_error
+            ));
+            if every_step.worn_out > 0 {
+                parts.push(format!("{} worn out early", count(every_step.worn_out)));
+            }
         }
         if self.failures > 0 {
             parts.push(format!("{} failed", count(self.failures)));

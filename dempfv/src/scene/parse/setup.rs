@@ -6,7 +6,7 @@ use super::stages;
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::error::InputError;
 use crate::pfv::Clamp;
-use crate::scene::acceleration::{Acceleration, OnFailure, RemeshMode, Swap};
+use crate::scene::acceleration::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use crate::scene::keys;
 use crate::scene::packing_check::probe_outside;
 use crate::scene::plan::*;
@@ -292,8 +292,12 @@ fn read_acceleration(fluid: &Table, auto_interval: bool) -> Result<Acceleration>
         }
         None => OnFailure::default(),
     };
+    let update = match fluid.get("update") {
+        Some(v) => v.choice(&Update::ALL.map(|u| (u.name(), u)))?,
+        None => Update::default(),
+    };
     let parallel_tasks = fluid.flag_or("parallel_tasks", false)?;
-    Ok(Acceleration { remesh, swap, on_failure, auto_interval, parallel_tasks })
+    Ok(Acceleration { remesh, swap, on_failure, auto_interval, parallel_tasks, update })
 }
 
 /// Imposed pressures; a wall must not be in `no_flow` too.
