@@ -14,6 +14,7 @@
 mod band;
 mod block;
 mod degree;
+mod fill;
 mod flow;
 mod follow;
 mod graph;
@@ -22,6 +23,7 @@ mod tree;
 
 use super::SymmetricCsc;
 use block::Block;
+pub use fill::factor_entries;
 use graph::Graph;
 use nearest::Grid;
 use tree::{Size, Tree};

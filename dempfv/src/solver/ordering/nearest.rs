@@ -146,7 +146,8 @@ mod tests {
             assert_eq!(grid.label(&[p[0] + 0.2, p[1] - 0.2, p[2] + 0.1]), Some(label));
         }
         assert_eq!(grid.label(&[-1e9, -3.0, -1e30]), Some(0));
-        assert_eq!(grid.label(&[f32::INFINITY; 3]), Some(7 * 999));
+        // All are as far: any of them.
+        assert!(grid.label(&[f32::INFINITY; 3]).is_some());
     }
 
     /// All in one place, on a line, no numbers, none.
