@@ -1,5 +1,6 @@
 //! CHOLMOD of SuiteSparse (Chen, Davis, Hager and Rajamanickam 2008): LLᵀ by
-//! supernodes, ordered by METIS. The largest parts may go to a GPU.
+//! supernodes, ordered by minimum cuts where the unknowns have coordinates, by METIS
+//! where not. The largest parts may go to a GPU.
 
 mod accelerator;
 #[cfg(feature = "cuda")]
@@ -10,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::{
     Analysis, Backend, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc, blas,
-    require_size,
+    ordering, require_size,
 };
 use accelerator::Accelerator;
 use raw::{Fault, Raw};
@@ -26,7 +27,8 @@ static ORDERING: Mutex<()> = Mutex::new(());
 /// conductances span ten decades keep theirs well above.
 const PIVOT_LIMIT: f64 = 1e-14;
 
-/// The CHOLMOD backend. It ignores coordinates: METIS orders by the graph.
+/// The CHOLMOD backend. With coordinates it orders by them ([`ordering::order`]), which
+/// is faster and fills less in; without, METIS orders by the graph.
 ///
 /// The BLAS runs on one thread, so that the factor is the same bits on any
 /// machine load and thread count; see [`super::blas::set_threads`].
@@ -81,12 +83,17 @@ fn analyze(
         require_size("the list of coordinates", a.n, points.len())?;
     }
     blas::choose_default();
-    // A panic in another analysis leaves nothing behind in METIS.
-    let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
-    let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
-    drop(guard);
+    let (name, raw) = match coordinates {
+        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::order(a, points)))),
+        None => {
+            // A panic in another analysis leaves nothing behind in METIS.
+            let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
+            ("metis", Raw::analyze(a, None))
+        }
+    };
+    let raw = raw.map_err(|fault| error(fault, "analyze", a.n))?;
     let (nnz_l, flops) = raw.counts();
-    let analysis = Analysis { ordering: "metis", nnz_l: nnz_l as u64, flops };
+    let analysis = Analysis { ordering: name, nnz_l: nnz_l as u64, flops };
     let accelerator = gpu.map(Accelerator::new);
     let placement = Placement::default();
     let (n, pattern) = (a.n, a.pattern_hash());

@@ -58,11 +58,16 @@ unsafe extern "C" fn keep_complaint(
 }
 
 impl Raw {
-    /// Orders with METIS and analyzes the pattern of a validated matrix.
+    /// Analyzes the pattern of a validated matrix by an ordering, entry k the number
+    /// of the factor's column k, or by METIS.
     ///
     /// METIS draws from the C library's `rand` after seeding it: the caller
-    /// sees to it that only one analysis runs at a time.
-    pub(super) fn analyze(a: &SymmetricCsc) -> Result<Raw, Fault> {
+    /// sees to it that only one such analysis runs at a time.
+    ///
+    /// # Panics
+    /// If the ordering has not one entry per unknown. That it is a permutation,
+    /// CHOLMOD finds out.
+    pub(super) fn analyze(a: &SymmetricCsc, ordering: Option<&[i64]>) -> Result<Raw, Fault> {
         // SAFETY: cholmod_common is plain data, and cholmod_l_start sets it up
         // before anything reads it.
         let mut common = Box::new(unsafe { std::mem::zeroed::<sys::cholmod_common>() });
@@ -71,15 +76,30 @@ impl Raw {
         configure(&mut common);
         let mut raw = Raw { common, l: ptr::null_mut(), y: ptr::null_mut(), e: ptr::null_mut() };
         let mut view = sparse_view(a);
-        // SAFETY: the view borrows arrays that outlive the call, and CHOLMOD
-        // only reads them.
-        raw.l = unsafe { sys::cholmod_l_analyze(&mut view, &mut *raw.common) };
+        if ordering.is_some() {
+            raw.common.method[0].ordering = sys::CHOLMOD_GIVEN as c_int;
+        }
+        let permutation = ordering.map_or(ptr::null(), |order| {
+            assert_eq!(order.len(), a.n, "the ordering must have one entry per unknown");
+            order.as_ptr()
+        });
+        // SAFETY: the view borrows arrays that outlive the call, and the permutation,
+        // if there is one, has an entry per unknown. CHOLMOD only reads them.
+        raw.l = unsafe {
+            sys::cholmod_l_analyze_p(
+                &mut view,
+                permutation.cast_mut(),
+                ptr::null_mut(),
+                0,
+                &mut *raw.common,
+            )
+        };
         raw.outcome()?;
         // SAFETY: no fault, so the analysis returned a factor.
-        let ordering = unsafe { (*raw.l).ordering };
+        let found = unsafe { (*raw.l).ordering };
         // Without memory for METIS, CHOLMOD takes AMD and says nothing: more
         // fill, and other bits than with memory.
-        if ordering == sys::CHOLMOD_METIS as c_int { Ok(raw) } else { Err(Fault::OutOfMemory) }
+        if found == raw.common.method[0].ordering { Ok(raw) } else { Err(Fault::OutOfMemory) }
     }
 
     /// Factors a matrix of the pattern that was analyzed.

@@ -1,12 +1,13 @@
 //! Cuts a part of the graph in place, again and again, with one set of work arrays.
 
-use super::band;
+use super::band::{self, Range};
 use super::degree::Leaf;
 use super::flow::{Flow, Side};
 use super::graph::Graph;
+use super::tree::Size;
 
 /// Parts of no more vertices than this are not cut.
-const LEAF: usize = 160;
+pub(super) const LEAF: usize = 128;
 
 /// Neither side of a cut may hold more than this of a part.
 const LARGEST: f64 = 0.9;
@@ -76,9 +77,11 @@ impl Block {
         self.graph.part(vertices)
     }
 
-    /// Orders all vertices.
-    pub(super) fn order(&mut self, out: &mut [i64]) {
-        self.dissect(&mut self.all(), WHOLE, out);
+    /// Orders all vertices, and tells into which parts they were dissected.
+    pub(super) fn order(&mut self, out: &mut [i64]) -> Vec<Size> {
+        let mut sizes = Vec::new();
+        self.dissect(&mut self.all(), WHOLE, out, &mut sizes);
+        sizes
     }
 
     /// Cuts the whole once: the vertices of both sides. The cut is written to the
@@ -99,21 +102,30 @@ impl Block {
     }
 
     /// Orders the vertices of a part.
-    fn dissect(&mut self, vertices: &mut [u32], label: u32, out: &mut [i64]) {
+    fn dissect(
+        &mut self,
+        vertices: &mut [u32],
+        label: u32,
+        out: &mut [i64],
+        sizes: &mut Vec<Size>,
+    ) {
         let cut = if vertices.len() > LEAF { self.cut(vertices, label) } else { None };
-        let Some(Cut { labels, sizes }) = cut else {
+        let Some(cut) = cut else {
             let Block { graph, label: labels, number, leaf, .. } = self;
             leaf.order(graph, vertices, labels, label, number);
             self.write(vertices, out);
+            sizes.push(Size::of_leaf(vertices.len()));
             return;
         };
-        let (left, rest) = vertices.split_at_mut(sizes[0]);
-        let (right, separator) = rest.split_at_mut(sizes[1]);
-        let (first, rest) = out.split_at_mut(sizes[0]);
-        let (second, last) = rest.split_at_mut(sizes[1]);
+        let before = sizes.len();
+        let (left, rest) = vertices.split_at_mut(cut.sizes[0]);
+        let (right, separator) = rest.split_at_mut(cut.sizes[1]);
+        let (first, rest) = out.split_at_mut(left.len());
+        let (second, last) = rest.split_at_mut(right.len());
         self.write(separator, last);
-        self.dissect(left, labels[0], first);
-        self.dissect(right, labels[1], second);
+        self.dissect(left, cut.labels[0], first, sizes);
+        self.dissect(right, cut.labels[1], second, sizes);
+        sizes.push(Size::of_cut(last.len(), sizes.len() - before));
     }
 
     /// Cuts a part: sorts its vertices into both sides and the separator and gives
@@ -121,15 +133,16 @@ impl Block {
     /// is worth it.
     fn cut(&mut self, vertices: &mut [u32], label: u32) -> Option<Cut> {
         let axis = band::axis(&self.graph.point, vertices);
-        let cut = axis.and_then(|axis| {
+        let cut = axis.and_then(|(axis, range)| {
             self.keys.clear();
             let point = |&v: &u32| self.graph.point[v as usize][axis];
             self.keys.extend(vertices.iter().map(point));
-            self.cut_by_keys(vertices)
+            self.cut_by_keys(vertices, &range)
         });
         cut.or_else(|| {
             self.rank(vertices);
-            self.cut_by_keys(vertices)
+            let range = Range { low: 0.0, high: vertices.len() as f32 };
+            self.cut_by_keys(vertices, &range)
         })
         .or_else(|| {
             self.relabel(vertices, label);
@@ -188,8 +201,8 @@ impl Block {
 
     /// Cuts a part where the keys are about the median; `None` where no cut is
     /// worth it.
-    fn cut_by_keys(&mut self, vertices: &mut [u32]) -> Option<Cut> {
-        let (from, to) = band::planes(&self.keys, &mut self.counts);
+    fn cut_by_keys(&mut self, vertices: &mut [u32], range: &Range) -> Option<Cut> {
+        let (from, to) = band::planes(&self.keys, range, &mut self.counts);
         self.labels += 3;
         let (source, sink, within) = (self.labels - 2, self.labels - 1, self.labels);
         for (&v, &key) in vertices.iter().zip(&self.keys) {

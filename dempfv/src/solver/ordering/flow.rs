@@ -20,8 +20,9 @@ pub(super) struct Flow {
     /// Neighbours of vertex v in the band: `adjacent[start[v]..start[v + 1]]`.
     start: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Vertices with a neighbour in the source.
+    /// Vertices with a neighbour in the source, and whether each is one of them.
     first: Vec<u32>,
+    at_source: Vec<bool>,
     /// Vertices with a neighbour in the sink.
     last: Vec<u32>,
     /// The vertex before and after each on its path; `NONE` off the paths.
@@ -44,6 +45,7 @@ impl Flow {
         self.start.push(0);
         self.adjacent.clear();
         self.first.clear();
+        self.at_source.clear();
         self.last.clear();
     }
 
@@ -66,6 +68,7 @@ impl Flow {
         if at_sink {
             self.last.push(v);
         }
+        self.at_source.push(at_source);
         self.start.push(self.adjacent.len() as u32);
     }
 
@@ -86,39 +89,50 @@ impl Flow {
         }
     }
 
-    /// Finds the distances to the sink. False when it is out of reach: the flow
-    /// is maximal.
+    /// Finds the distances to the sink, where an arc within a vertex has no length.
+    /// False when no more path may begin: the flow is maximal.
     fn measure(&mut self) -> bool {
         self.distance.clear();
         self.distance.resize(2 * self.len(), NONE);
         self.queue.clear();
-        for &v in &self.last {
-            self.distance[2 * v as usize + 1] = 0;
-            self.queue.push(2 * v + 1);
+        for k in 0..self.last.len() {
+            self.reach(2 * self.last[k] + 1, 0);
         }
+        let mut open = false;
         let mut head = 0;
         while head < self.queue.len() {
             let node = self.queue[head];
             head += 1;
-            let next = self.distance[node as usize] + 1;
+            let distance = self.distance[node as usize];
             let v = (node / 2) as usize;
-            if node % 2 == 1 {
-                // To an exit leads its entry, or the way back along the path.
-                match self.after[v] {
-                    NONE => self.reach(node - 1, next),
-                    END => {}
-                    w => self.reach(2 * w, next),
+            let entry = 2 * v;
+            if node as usize == entry {
+                // Of a path. The way back to its entry begins at its exit.
+                if self.distance[entry + 1] == NONE {
+                    self.distance[entry + 1] = distance;
+                    self.reach_after(v, distance + 1);
                 }
+            } else if self.after[v] == NONE {
+                self.distance[entry] = distance;
+            } else {
+                self.reach_after(v, distance + 1);
                 continue;
             }
-            if self.before[v] != NONE {
-                self.reach(node + 1, next);
+            if self.at_source[v] && self.before[v] != END {
+                open = true;
             }
             for k in self.start[v]..self.start[v + 1] {
-                self.reach(2 * self.adjacent[k as usize] + 1, next);
+                self.reach(2 * self.adjacent[k as usize] + 1, distance + 1);
             }
         }
-        self.first.iter().any(|&v| self.is_open(v))
+        open
+    }
+
+    /// To the exit of a vertex of a path leads the entry of the next.
+    fn reach_after(&mut self, v: usize, distance: u32) {
+        if self.after[v] != END {
+            self.reach(2 * self.after[v], distance);
+        }
     }
 
     fn reach(&mut self, node: u32, distance: u32) {
@@ -129,18 +143,14 @@ impl Flow {
         }
     }
 
-    /// Whether another path may begin at a vertex.
-    fn is_open(&self, v: u32) -> bool {
-        self.before[v as usize] != END && self.distance[2 * v as usize] != NONE
-    }
-
-    /// Adds paths that come nearer to the sink at every step until none is left.
+    /// Adds paths that never go away from the sink until none is left.
     fn augment(&mut self) {
         self.look.clear();
         self.look.extend_from_slice(&self.start[..self.start.len() - 1]);
         for k in 0..self.first.len() {
             let v = self.first[k];
-            if self.is_open(v) && self.search(v) {
+            let open = self.before[v as usize] != END && self.distance[2 * v as usize] != NONE;
+            if open && self.search(v) {
                 self.apply();
             }
         }
@@ -153,13 +163,12 @@ impl Flow {
         let mut node = 2 * first;
         loop {
             let distance = self.distance[node as usize];
-            if distance == 0 {
+            if distance == 0 && node % 2 == 1 {
                 self.distance[node as usize] = NONE;
                 self.path.push(node);
                 return true;
             }
-            if let Some(next) = self.onward(node, distance - 1) {
-                // On a path that fails it is dead, on one that succeeds used.
+            if let Some(next) = self.onward(node, distance) {
                 self.path.push(node);
                 node = next;
                 continue;
@@ -172,25 +181,26 @@ impl Flow {
         }
     }
 
-    /// A node one step nearer to the sink that a node leads to.
-    fn onward(&mut self, node: u32, nearer: u32) -> Option<u32> {
+    /// The next node on the way to the sink from a node at a distance.
+    fn onward(&mut self, node: u32, distance: u32) -> Option<u32> {
         let v = (node / 2) as usize;
-        let is_nearer = |distance: &[u32], next: u32| distance[next as usize] == nearer;
         if node % 2 == 0 {
-            let next = match self.before[v] {
-                NONE => node + 1,
+            let (next, length) = match self.before[v] {
+                NONE => (node + 1, 0),
                 END => return None,
-                u => 2 * u + 1,
+                u => (2 * u + 1, 1),
             };
-            return is_nearer(&self.distance, next).then_some(next);
+            let known = self.distance[next as usize];
+            return (known != NONE && known + length == distance).then_some(next);
         }
-        if self.before[v] != NONE && is_nearer(&self.distance, node - 1) {
+        if self.before[v] != NONE && self.distance[node as usize - 1] == distance {
             return Some(node - 1);
         }
         let end = self.start[v + 1];
         while self.look[v] < end {
             let w = self.adjacent[self.look[v] as usize];
-            if is_nearer(&self.distance, 2 * w) {
+            let known = self.distance[2 * w as usize];
+            if known != NONE && known + 1 == distance {
                 return Some(2 * w);
             }
             self.look[v] += 1;
