@@ -50,10 +50,10 @@ def main():
     mass = DENSITY * 4 / 3 * math.pi * radius**3
     # Share 0.2/pi of critical damping of two mean spheres in contact.
     gamma = 2 * DAMPING / math.pi * math.sqrt(kn / (mass / 2))
-    # Half the stable step of a sphere of the smallest size with four contacts'
+    # Half the stable step of a sphere of the smallest size with eight contacts'
     # worth of stiffness: what dempfv's own bound gives for such packings.
     smallest = min(s[3] for s in spheres)
-    dt = 0.5 * math.sqrt(2 * DENSITY * 4 / 3 * math.pi * smallest**2 / (4 * YOUNG))
+    dt = 0.5 * math.sqrt(2 * DENSITY * 4 / 3 * math.pi * smallest**2 / (8 * YOUNG))
     print(f"-var kn {kn} -var kt {RATIO * kn} -var gamma {gamma} -var dt {dt} -var skin {0.1 * radius}")
 
 
