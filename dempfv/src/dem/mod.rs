@@ -27,6 +27,7 @@
 //! number of particles accumulate their own contacts in a fixed order and the
 //! forces across blocks are gathered per particle in a fixed order.
 
+mod batch;
 mod blocks;
 mod cloud;
 mod contacts;
@@ -39,6 +40,7 @@ mod kernel;
 mod material;
 mod neighbours;
 mod observe;
+mod pairs;
 mod particles;
 mod pass;
 mod rng;

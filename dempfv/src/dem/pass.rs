@@ -2,12 +2,11 @@
 //! sums up within the block; a second one gathers what crosses blocks.
 
 use super::blocks::{BLOCK, Span, cut_mut, for_blocks};
-use super::kernel::{
-    Batch, LANES, PairLaw, Sliding, V, add_scaled, cross, dot, evaluate, get, put, scaled,
-    shear_force,
-};
+use super::batch::Batch;
+use super::kernel::{Sliding, V, add_scaled, cross, dot, scaled, shear_force};
 use super::material::Law;
 use super::neighbours::{Bounds, Neighbours, WallPair};
+use super::pairs::Pairs;
 use super::walls::Wall;
 use crate::{Vec3, WallId};
 
@@ -186,143 +185,33 @@ impl<const FRICTION: bool, const ROTATION: bool> pulp::NullaryFnOnce
 impl PairSpan<'_> {
     #[inline(always)]
     fn evaluate<const FRICTION: bool, const ROTATION: bool>(mut self, input: &Input<'_>) {
-        self.force.fill(Vec3::zeros());
-        self.torque.fill(Vec3::zeros());
         let origin = self.bounds[0];
         let mut batch = Batch::new();
         for block in 0..self.wall_sums.len() {
             let (from, to) = (self.bounds[block], self.bounds[block + 1]);
+            let spheres = block * BLOCK..((block + 1) * BLOCK).min(self.force.len());
+            let first = self.first + spheres.start;
+            let force = &mut self.force[spheres.clone()];
+            let torque = &mut self.torque[spheres];
+            force.fill(Vec3::zeros());
+            torque.fill(Vec3::zeros());
             let inner = from.inner - origin.inner..from.outer - origin.inner;
             let outer = from.outer - origin.inner..to.inner - origin.inner;
-            let sent = from.sent - origin.sent;
+            let sent = &mut self.sent[from.sent - origin.sent..to.sent - origin.sent];
             for (range, sent) in [(inner, None), (outer, Some(sent))] {
-                self.pairs::<FRICTION, ROTATION>(&mut batch, range, sent, input);
+                Pairs {
+                    pairs: &self.pairs[range.clone()],
+                    touch: &mut self.touch[range.clone()],
+                    shear: &mut self.shear[range],
+                    sent,
+                    first,
+                    force: &mut *force,
+                    torque: &mut *torque,
+                }
+                .evaluate::<FRICTION, ROTATION>(&mut batch, input);
             }
             let walls = from.wall - origin.wall..to.wall - origin.wall;
             self.wall_sums[block] = self.walls::<FRICTION, ROTATION>(walls, input);
-        }
-    }
-
-    /// Evaluates a range of pairs. Of inner pairs both spheres get their
-    /// force here; the forces on second spheres of outer pairs go to `sent`,
-    /// from the place given.
-    #[inline(always)]
-    fn pairs<const FRICTION: bool, const ROTATION: bool>(
-        &mut self,
-        batch: &mut Batch,
-        range: std::ops::Range<usize>,
-        sent: Option<usize>,
-        input: &Input<'_>,
-    ) {
-        let law = PairLaw {
-            pair: input.law.pair,
-            ratio: input.law.ratio,
-            friction: input.law.friction,
-            dt: input.dt,
-        };
-        let start = range.start;
-        let mut next = start;
-        while next < range.end {
-            next = self.collect(batch, next, range.end, sent.map(|s| (s, start)), input);
-            if FRICTION {
-                self.load_motion::<ROTATION>(batch, input);
-            }
-            evaluate::<FRICTION, ROTATION>(batch, law);
-            self.scatter::<FRICTION, ROTATION>(batch, sent.map(|s| (s, start)));
-        }
-    }
-
-    /// Fills the batch with the next touching pairs from `next` on; returns
-    /// the first pair not looked at.
-    #[inline(always)]
-    fn collect(
-        &mut self,
-        batch: &mut Batch,
-        mut next: usize,
-        end: usize,
-        sent: Option<(usize, usize)>,
-        input: &Input<'_>,
-    ) -> usize {
-        let mut count = 0;
-        while next < end && count < LANES {
-            let [i, j] = self.pairs[next];
-            let (a, b) = (&input.centre[i as usize], &input.centre[j as usize]);
-            let apart = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-            let distance2 = dot(apart, apart);
-            let reach = a[3] + b[3];
-            let touch = distance2 < reach * reach;
-            batch.slot[count] = next;
-            put(&mut batch.apart, count, apart);
-            batch.distance2[count] = distance2;
-            batch.radius[0][count] = a[3];
-            batch.radius[1][count] = b[3];
-            count += usize::from(touch);
-            if touch != self.touch[next] {
-                self.touch[next] = touch;
-                if !touch {
-                    self.shear[next] = Vec3::zeros();
-                    if let Some((sent, start)) = sent {
-                        self.sent[sent + next - start] = [0.0; 6];
-                    }
-                }
-            }
-            next += 1;
-        }
-        batch.count = count;
-        next
-    }
-
-    #[inline(always)]
-    fn load_motion<const ROTATION: bool>(&self, batch: &mut Batch, input: &Input<'_>) {
-        for l in 0..batch.count.min(LANES) {
-            let slot = batch.slot[l];
-            let [i, j] = self.pairs[slot];
-            let (i, j) = (i as usize, j as usize);
-            put(&mut batch.shear, l, self.shear[slot].into());
-            put(&mut batch.velocity, l, (input.velocity[j] - input.velocity[i]).into());
-            if ROTATION {
-                let (a, b) = (input.spin[i], input.spin[j]);
-                let (r1, r2) = (batch.radius[0][l], batch.radius[1][l]);
-                put(&mut batch.spin, l, (a + b).into());
-                put(&mut batch.rim, l, (r1 * a + r2 * b).into());
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn scatter<const FRICTION: bool, const ROTATION: bool>(
-        &mut self,
-        batch: &Batch,
-        sent: Option<(usize, usize)>,
-    ) {
-        for l in 0..batch.count.min(LANES) {
-            let slot = batch.slot[l];
-            let [i, j] = self.pairs[slot];
-            let (i, j) = (i as usize - self.first, j as usize - self.first);
-            let force = Vec3::from(get(&batch.force, l));
-            self.force[i] -= force;
-            let mut torque = Vec3::zeros();
-            if FRICTION {
-                self.shear[slot] = get(&batch.shear, l).into();
-                if ROTATION {
-                    let half = 0.5 * batch.overlap[l];
-                    let moment = Vec3::from(get(&batch.moment, l));
-                    self.torque[i] -= (batch.radius[0][l] - half) * moment;
-                    torque = (half - batch.radius[1][l]) * moment;
-                }
-            }
-            match sent {
-                None => {
-                    self.force[j] += force;
-                    if ROTATION {
-                        self.torque[j] += torque;
-                    }
-                }
-                Some((sent, start)) => {
-                    self.sent[sent + slot - start] =
-                        [force.x, force.y, force.z, torque.x, torque.y, torque.z];
-                }
-            }
         }
     }
 
