@@ -45,6 +45,7 @@ mod error;
 mod gpu_info;
 mod kind;
 mod matrix;
+pub mod ordering;
 mod placement;
 
 pub use cholmod::{Cholmod, CholmodGpu};
