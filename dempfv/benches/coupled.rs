@@ -73,8 +73,7 @@ impl Works {
         let entries = each(flow.operators.matrix.nnz() as f64);
         let (l, nnz) = (each(factor.memory_bytes() as f64), each(analysis.nnz_l as f64));
         let of_pores = |bytes, flops| Work { count: pores, unit: "pores", bytes, flops };
-        let of_unknowns =
-            |bytes, flops| Work { count: unknowns, unit: "unknowns", bytes, flops };
+        let of_unknowns = |bytes, flops| Work { count: unknowns, unit: "unknowns", bytes, flops };
         // Per pore: its corners, neighbours, centre and volume, two vectors for each
         // corner, and two throats with a number each; and some 400 operations a throat.
         let built = 4.0 * (4.0 + 4.0 + 24.0 + 24.0) + 32.0 + 2.0 * (8.0 + 8.0) + 16.0 * entries;

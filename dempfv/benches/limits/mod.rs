@@ -16,6 +16,9 @@ const ROWS: usize = 2048;
 /// The best of so many counts.
 const REPEATS: usize = 5;
 
+/// Every phase has at least so many samples.
+const LAST: usize = 10;
+
 /// What the machine can do, on one thread and on all.
 pub struct Limits {
     /// Reading memory (bytes/s).
@@ -62,21 +65,23 @@ impl Limits {
         pool: &ThreadPool,
         mut run: impl FnMut() + Send,
     ) {
-        let (mut spent, mut calls) = (Duration::ZERO, 0);
+        let mut samples = vec![];
         group.bench_function(id, |b| {
-            // Only what comes after the warm-up is left of these at the end, and more than
-            // enough calls for a mean.
             b.iter_custom(|n| {
-                spent = pool.install(|| {
+                let spent: Duration = pool.install(|| {
                     let start = Instant::now();
                     (0..n).for_each(|_| run());
                     start.elapsed()
                 });
-                calls = n;
+                samples.push(spent.as_secs_f64() / n as f64);
                 spent
             });
         });
-        let taken = spent.as_secs_f64() / calls as f64;
+        // The median of what came after the warm-up.
+        let last = samples.len().saturating_sub(LAST);
+        let samples = &mut samples[last..];
+        samples.sort_by(f64::total_cmp);
+        let taken = samples[samples.len() / 2];
         let Work { count, unit, bytes, flops } = work;
         let which = usize::from(pool.current_num_threads() > 1);
         let [reading, computing] =
@@ -125,6 +130,9 @@ fn bandwidth() -> [f64; 2] {
 fn rate() -> [f64; 2] {
     let (a, b) = (vec![1.0f64; ROWS * ROWS], vec![1.0f64; ROWS * ROWS]);
     let mut c = vec![0.0; ROWS * ROWS];
+    // Keeps CHOLMOD linked, and so the BLAS loaded.
+    black_box(cholmod_sys::cholmod_l_factorize as *const ());
+    assert!(blas::multiply(ROWS, &a, &b, &mut c), "there is no BLAS");
     let rates = [1, rayon::current_num_threads()].map(|threads| {
         blas::set_num_threads(threads);
         let time = best(|| {

@@ -10,8 +10,8 @@ use dempfv::solver::SolverKind;
 use serde::{Serialize, Serializer};
 
 use super::remesh::Remesh;
-use crate::commands::{doctor, machine};
 use crate::commands::format::{bytes, count, duration, si, three_digits};
+use crate::commands::{doctor, machine};
 use crate::report::table::table;
 
 /// How a run ended.

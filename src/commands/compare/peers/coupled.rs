@@ -15,8 +15,7 @@ const TRIED: usize = 20_000;
 /// Packings of more spheres take two runs each.
 const LARGE: usize = 100_000;
 /// Phases of our step, by their names in summaries.
-pub const PHASES: [&str; 5] =
-    ["contacts", "integration", "volume_rates", "solve", "fluid_forces"];
+pub const PHASES: [&str; 5] = ["contacts", "integration", "volume_rates", "solve", "fluid_forces"];
 /// Phases of our remesh.
 pub const REMESH: [&str; 3] = ["network", "analyze", "factor"];
 
@@ -108,11 +107,7 @@ pub struct InsideSide {
 ///
 /// # Errors
 /// One of them fails.
-pub fn measure(
-    contest: &Contest,
-    placed: &Placed,
-    before: Option<Tuning>,
-) -> Result<Case, Error> {
+pub fn measure(contest: &Contest, placed: &Placed, before: Option<Tuning>) -> Result<Case, Error> {
     let specimen = Specimen::new(placed.spheres, placed.path.clone(), placed.bounds);
     let tuning = tuning(contest, &specimen, before)?;
     let runs = if placed.spheres > LARGE { contest.runs.min(2) } else { contest.runs };
@@ -144,11 +139,7 @@ pub fn measure(
 }
 
 /// YADE's fastest way: each of its solvers with one thread of the BLAS and with all.
-fn tuning(
-    contest: &Contest,
-    specimen: &Specimen,
-    before: Option<Tuning>,
-) -> Result<Tuning, Error> {
+fn tuning(contest: &Contest, specimen: &Specimen, before: Option<Tuning>) -> Result<Tuning, Error> {
     let known = before.filter(|_| specimen.spheres > TRIED).map(|tuning| [tuning.solver]);
     let mut fastest = (f64::INFINITY, Tuning { solver: Tuning::DEFAULT, blas_threads: 1 });
     for &solver in known.as_ref().map_or(&Tuning::SOLVERS[..], |one| &one[..]) {
@@ -168,7 +159,9 @@ fn yade(
     tuning: Tuning,
     run: usize,
 ) -> Result<(Times, u64), Error> {
-    YadeRun::new(specimen, contest.threads, tuning, run).yade(contest.bench).map(|(side, pores)| (side.times, pores))
+    YadeRun::new(specimen, contest.threads, tuning, run)
+        .yade(contest.bench)
+        .map(|(side, pores)| (side.times, pores))
 }
 
 /// Our run: whole intervals between remeshes, so that each has its share.
@@ -178,7 +171,9 @@ fn ours(contest: &Contest, placed: &Placed, way: Way, run: usize) -> Result<Valu
     let scene = scene(placed, steps, way.keys(), contest.ours);
     let name = format!("coupled-{}-{}-run{run}", placed.spheres, way.name());
     let bench = contest.bench;
-    bench.remembered(&name, &(&scene, run), || Ok(bench.ours(&name, &scene, contest.threads)?.summary))
+    bench.remembered(&name, &(&scene, run), || {
+        Ok(bench.ours(&name, &scene, contest.threads)?.summary)
+    })
 }
 
 /// How far our pressures are from the direct solution, in a run of its own.

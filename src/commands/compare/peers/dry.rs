@@ -93,12 +93,7 @@ pub fn measure(contest: &Contest, placed: &Placed) -> Result<Case, Error> {
 }
 
 /// LAMMPS with one process for each thread of the others.
-fn run_lammps(
-    contest: &Contest,
-    lammps: &Lammps,
-    name: &str,
-    job: &Dry,
-) -> Result<Stepped, Error> {
+fn run_lammps(contest: &Contest, lammps: &Lammps, name: &str, job: &Dry) -> Result<Stepped, Error> {
     let packing = Packing::read(&job.packing).map_err(dempfv::Error::from)?;
     let data = contest.bench.write(&format!("jobs/{name}.data"), &data(&packing, job))?;
     let input = contest.bench.write(&format!("jobs/{name}.in"), LAMMPS)?;
@@ -164,7 +159,8 @@ fn read_log(text: &str, steps: u64) -> Option<Stepped> {
             }
         }
         if let (true, [_, spheres, _, each]) = (in_table, &words[..]) {
-            let (spheres, each): (Option<f64>, Option<f64>) = (spheres.parse().ok(), each.parse().ok());
+            let (spheres, each): (Option<f64>, Option<f64>) =
+                (spheres.parse().ok(), each.parse().ok());
             // Each of two spheres counts a contact.
             contacts = spheres.zip(each).map(|(n, each)| 0.5 * n * each);
         }

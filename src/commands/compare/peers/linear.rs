@@ -159,6 +159,8 @@ fn one(
         solution: solution.clone(),
         solver: own,
         blas_threads,
+        // CHOLMOD as people have it: ordered by METIS.
+        with_points: blas_threads.is_none(),
         threads: contest.threads,
         factors: if unknowns > LARGE { 1 } else { 2 },
         solves: if unknowns > LARGE { 3 } else { 7 },

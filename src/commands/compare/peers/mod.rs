@@ -4,6 +4,7 @@
 mod coupled;
 mod draw;
 mod dry;
+mod follow;
 pub mod job;
 mod linear;
 mod model;
@@ -98,6 +99,7 @@ struct Results {
     network: Vec<network::Case>,
     inside: Vec<coupled::Inside>,
     linear: Vec<linear::Case>,
+    follow: Vec<follow::Case>,
 }
 
 /// The machine before the first run.
@@ -158,7 +160,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     let first = limits("limits-start")?;
     let place = |size: &sizes::Size| size.place(bench);
     let (mut dry, mut coupled, mut network) = (vec![], vec![], vec![]);
-    let (mut inside, mut linear) = (vec![], vec![]);
+    let (mut inside, mut linear, mut follow) = (vec![], vec![], vec![]);
     for size in sizes.dry {
         dry.push(dry::measure(contest, &place(size)?)?);
     }
@@ -167,6 +169,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     }
     for size in sizes.linear {
         linear.push(linear::measure(contest, &place(size)?)?);
+        follow.push(follow::measure(contest, &place(size)?)?);
     }
     for size in sizes.inside {
         inside.push(coupled::inside(contest, &place(size)?)?);
@@ -176,7 +179,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
         coupled.push(coupled::measure(contest, &place(size)?, before)?);
     }
     let limits = [first, limits("limits-end")?];
-    Ok(Results { start, limits, dry, coupled, network, inside, linear })
+    Ok(Results { start, limits, dry, coupled, network, inside, linear, follow })
 }
 
 impl Start {
@@ -210,21 +213,15 @@ fn others(args: &Args) -> Result<Others, Error> {
         .then(|| others::existing("PARDISO", &args.python, pardiso))
         .transpose();
     let faer = "`make compare` builds it; or leave it out with --without faer";
-    let faer =
-        wanted(Name::Faer).then(|| others::existing("faer", &args.faer, faer)).transpose();
-    let missing: Vec<String> =
-        [lammps.as_ref().err(), pardiso.as_ref().err(), faer.as_ref().err()]
-            .into_iter()
-            .flatten()
-            .map(ToString::to_string)
-            .collect();
+    let faer = wanted(Name::Faer).then(|| others::existing("faer", &args.faer, faer)).transpose();
+    let missing: Vec<String> = [lammps.as_ref().err(), pardiso.as_ref().err(), faer.as_ref().err()]
+        .into_iter()
+        .flatten()
+        .map(ToString::to_string)
+        .collect();
     match missing.len() {
         0 | 1 => Ok(Others { lammps: lammps?, pardiso: pardiso?, faer: faer? }),
-        _ => Err(Error::Peer {
-            step: "peers".to_owned(),
-            what: missing.join("; "),
-            log: None,
-        }),
+        _ => Err(Error::Peer { step: "peers".to_owned(), what: missing.join("; "), log: None }),
     }
 }
 

@@ -56,9 +56,11 @@ impl Lammps {
 pub fn existing(name: &str, path: &Path, remedy: &str) -> Result<PathBuf, Error> {
     let what = |e| format!("{}: {e}; {remedy}", path.display());
     // Not canonicalize: a Python of a virtual environment is a link that must keep its name.
-    path.metadata()
-        .and_then(|_| std::path::absolute(path))
-        .map_err(|e| Error::Peer { step: name.to_owned(), what: what(e), log: None })
+    path.metadata().and_then(|_| std::path::absolute(path)).map_err(|e| Error::Peer {
+        step: name.to_owned(),
+        what: what(e),
+        log: None,
+    })
 }
 
 /// What a program prints when asked for its version.

@@ -5,6 +5,7 @@ use std::path::Path;
 use dempfv::io::atomic;
 
 use super::coupled::{self, PHASES, REMESH, Way};
+use super::job::MOTION;
 use super::linear;
 use super::model;
 use super::rows::Row;
@@ -36,6 +37,7 @@ pub fn write(
     text += &coupled(contest, results);
     text += &network(results);
     text += &linear(results);
+    text += &follow(results);
     text += &inside(results);
     atomic::write(path, text.as_bytes())?;
     Ok(())
@@ -96,11 +98,12 @@ fn contest_table(rows: &[Row]) -> String {
 }
 
 fn limits(results: &Results) -> String {
-    let mut text = "\n## What the machine can do\n\nMeasured in the same run, at its beginning and \
+    let mut text =
+        "\n## What the machine can do\n\nMeasured in the same run, at its beginning and \
                     at its end: memory read by sums over 512 MiB, products of square matrices of \
                     2,048 rows by the BLAS; the best of five each.\n\n| | 1 thread | 2 threads |\n\
                     |:--|--:|--:|\n"
-        .to_owned();
+            .to_owned();
     let [first, last] = &results.limits;
     let rows = [
         ("memory, GB/s", first.bandwidth, last.bandwidth),
@@ -220,12 +223,13 @@ fn phases(contest: &Contest, results: &Results, case: &coupled::Case) -> String 
 }
 
 fn network(results: &Results) -> String {
-    let mut text = "\n## The network\n\nFrom positions and radii to pores, throats and conductances; \
+    let mut text =
+        "\n## The network\n\nFrom positions and radii to pores, throats and conductances; \
                     and with the operators G, E, F. The first build of each process is not \
                     counted. YADE: what a remesh takes beside its factorization.\n\n| spheres | \
                     pores | triangulation, pores, throats, ms | all, ms | YADE, ms |\n\
                     |--:|--:|--:|--:|--:|\n"
-        .to_owned();
+            .to_owned();
     for case in &results.network {
         let yade = results.coupled.iter().find(|c| c.spheres == case.spheres);
         text += &format!(
@@ -295,6 +299,34 @@ fn linear(results: &Results) -> String {
                 200.0 * side.factor_bytes / limits.bandwidth[1] / side.solve_s.median(),
             );
         }
+    }
+    text
+}
+
+fn follow(results: &Results) -> String {
+    let mut text = format!(
+        "\n## The ordering at a remesh\n\nEach sphere moves at random by up to {} % of the mean \
+         radius along each axis, and the network is built anew. The ordering that follows takes the \
+         separators of the network before along by place; beside it one of its own. METIS: CHOLMOD's \
+         ordering and analysis above, of the network before.\n\n| unknowns | new pores | follows, \
+         ms | its own, ms | METIS, ms | nnz(L), follows | its own | METIS |\n\
+         |--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        100.0 * MOTION
+    );
+    for case in &results.follow {
+        let same = results.linear.iter().find(|c| c.spheres == case.spheres);
+        let metis = same.and_then(|c| c.side(linear::CHOLMOD));
+        text += &format!(
+            "| {} | {:.1} % | {} | {} | {} | {:.3e} | {:.3e} | {} |\n",
+            count(case.unknowns as u64),
+            100.0 * case.new_pores,
+            case.follow_s.show(1e-3),
+            case.order_s.show(1e-3),
+            metis.map_or("–".to_owned(), |m| m.analyze_s.show(1e-3)),
+            case.nnz_followed,
+            case.nnz_own,
+            metis.map_or("–".to_owned(), |m| format!("{:.3e}", m.nnz_l)),
+        );
     }
     text
 }

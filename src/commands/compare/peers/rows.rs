@@ -1,6 +1,7 @@
 //! The eight rows of the contest: what was measured, what must be reached, what is aimed at.
 
 use super::coupled::{self, Way};
+use super::follow;
 use super::linear::{self, CHOLMOD, PARDISO_NAME, Side};
 use super::sample::worst;
 use super::{Contest, Results};
@@ -79,7 +80,10 @@ impl Row {
             Ok(_) if !self.conditions.iter().all(|(_, holds)| *holds) => {
                 "**short**: a condition fails".to_owned()
             }
-            Ok(value) if self.aim_holds && self.bound.aim.is_some_and(|aim| self.bound.keeps(*value, aim)) => {
+            Ok(value)
+                if self.aim_holds
+                    && self.bound.aim.is_some_and(|aim| self.bound.keeps(*value, aim)) =>
+            {
                 "aim reached".to_owned()
             }
             Ok(value) if self.bound.keeps(*value, self.bound.must) => "reached".to_owned(),
@@ -99,11 +103,15 @@ impl Row {
             Ok(value) => format!("**{}{}**", three_digits(*value), self.bound.unit),
             Err(_) => "–".to_owned(),
         };
-        let conditions = self.conditions.iter().map(|(text, holds)| {
-            if *holds { text.clone() } else { format!("**{text}: no**") }
-        });
-        let detail: Vec<String> =
-            Some(self.detail.clone()).filter(|d| !d.is_empty()).into_iter().chain(conditions).collect();
+        let conditions = self
+            .conditions
+            .iter()
+            .map(|(text, holds)| if *holds { text.clone() } else { format!("**{text}: no**") });
+        let detail: Vec<String> = Some(self.detail.clone())
+            .filter(|d| !d.is_empty())
+            .into_iter()
+            .chain(conditions)
+            .collect();
         [
             self.number.to_string(),
             self.what.to_owned(),
@@ -123,15 +131,17 @@ pub fn rows(contest: &Contest, results: &Results) -> Vec<Row> {
     rows.extend(results.dry.iter().map(dry));
     rows.extend(results.coupled.iter().map(coupled));
     rows.extend(results.network.iter().map(|case| network(case, results)));
-    for (case, &remesh) in results.linear.iter().flat_map(|c| [(c, &false), (c, &true)]) {
-        rows.push(if remesh { ordering_again(contest, case) } else { ordering(contest, case) });
-    }
+    rows.extend(results.linear.iter().map(|case| ordering(contest, case)));
+    rows.extend(results.follow.iter().map(|case| ordering_again(case, results)));
     let largest = results.linear.iter().map(|c| c.unknowns).max().unwrap_or(0);
-    for case in results.linear.iter().filter(|c| c.unknowns < largest || results.linear.len() == 1) {
+    for case in results.linear.iter().filter(|c| c.unknowns < largest || results.linear.len() == 1)
+    {
         rows.extend(factorization(contest, case));
     }
     rows.extend(results.inside.iter().map(|case| inside(contest, case)));
-    rows.extend(results.linear.iter().filter(|c| c.unknowns == largest).map(|c| memory(contest, c)));
+    rows.extend(
+        results.linear.iter().filter(|c| c.unknowns == largest).map(|c| memory(contest, c)),
+    );
     rows.sort_by_key(|row| row.number);
     rows
 }
@@ -264,15 +274,30 @@ fn ordering(contest: &Contest, case: &linear::Case) -> Row {
     }
 }
 
-fn ordering_again(_: &Contest, case: &linear::Case) -> Row {
+/// Against METIS on the network before the motion, in the same run.
+fn ordering_again(case: &follow::Case, results: &Results) -> Row {
+    let same = results.linear.iter().find(|c| c.spheres == case.spheres);
+    let metis = same.and_then(|c| c.side(CHOLMOD));
+    let metis = metis.ok_or_else(|| "without CHOLMOD".to_owned());
+    let ours = case.follow_s.median();
     Row {
         number: 5,
         what: "ordering at a remesh",
         on: unknowns(case.unknowns),
-        value: Err("there is no ordering that carries over".to_owned()),
+        value: metis.as_ref().map(|m| ours / m.analyze_s.median()).map_err(Clone::clone),
         bound: Bound::at_most(1.0 / 15.0, None, " × METIS"),
-        detail: String::new(),
-        conditions: vec![],
+        detail: metis.as_ref().map_or(String::new(), |m| {
+            format!(
+                "{} against {}: 1/{}",
+                milliseconds(ours),
+                milliseconds(m.analyze_s.median()),
+                three_digits(m.analyze_s.median() / ours)
+            )
+        }),
+        conditions: metis.map_or(vec![], |m| {
+            let fill = case.nnz_followed / m.nnz_l;
+            vec![(format!("nnz(L) {} × METIS's", three_digits(fill)), fill <= 1.1)]
+        }),
         aim_holds: true,
     }
 }
@@ -292,9 +317,10 @@ fn factorization(contest: &Contest, case: &linear::Case) -> Vec<Row> {
             number: 6,
             what: "factorization",
             on: unknowns(case.unknowns),
-            value: both.as_ref().map_err(Clone::clone).map(|[ours, peer]| {
-                peer.factor_s.median() / ours.factor_s.median()
-            }),
+            value: both
+                .as_ref()
+                .map_err(Clone::clone)
+                .map(|[ours, peer]| peer.factor_s.median() / ours.factor_s.median()),
             bound,
             detail,
             conditions: match both {
@@ -371,7 +397,16 @@ mod tests {
 
     fn row(value: Result<f64, String>, bound: Bound, holds: bool) -> Row {
         let conditions = vec![("residual".to_owned(), holds)];
-        Row { number: 1, what: "", on: String::new(), value, bound, detail: String::new(), conditions, aim_holds: true }
+        Row {
+            number: 1,
+            what: "",
+            on: String::new(),
+            value,
+            bound,
+            detail: String::new(),
+            conditions,
+            aim_holds: true,
+        }
     }
 
     #[test]

@@ -74,10 +74,11 @@ impl Size {
     /// The packings are not there.
     pub fn place<P>(&self, bench: &Bench<P>) -> Result<Placed, Error> {
         let base = Path::new("packings").join(self.base);
-        let base = std::path::absolute(&base).and_then(|p| p.metadata().map(|_| p)).map_err(|e| {
-            let what = format!("{}: {e}", base.display());
-            dempfv::Error::from(InputError::new(what, "start in a checkout of the project"))
-        })?;
+        let base =
+            std::path::absolute(&base).and_then(|p| p.metadata().map(|_| p)).map_err(|e| {
+                let what = format!("{}: {e}", base.display());
+                dempfv::Error::from(InputError::new(what, "start in a checkout of the project"))
+            })?;
         let [x, y, z] = self.copies;
         if self.copies == [1; 3] {
             let (packing, bounds) = load_packing(&base, None).map_err(dempfv::Error::from)?;

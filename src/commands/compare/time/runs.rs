@@ -7,8 +7,8 @@ use dempfv::io::packing::{self, Packing};
 use dempfv::scene::load_packing;
 use serde::{Deserialize, Serialize};
 
-use super::record::Record;
 use super::measured::Times;
+use super::record::Record;
 use super::{SMALL, Side};
 use crate::commands::Error;
 use crate::commands::compare::peer::Bench;

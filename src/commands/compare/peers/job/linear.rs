@@ -21,6 +21,8 @@ pub struct Linear {
     pub solver: String,
     /// Threads of the BLAS, where they are not to be what the solver chooses.
     pub blas_threads: Option<usize>,
+    /// Whether the solver is told where the pores are.
+    pub with_points: bool,
     pub threads: usize,
     pub factors: usize,
     pub solves: usize,
@@ -69,7 +71,8 @@ impl Linear {
         let base_bytes = memory(machine::HELD);
         let mut clock = Instant::now();
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
-        let symbolic = kind.backend().analyze(&matrix, Some(&points)).map_err(failed)?;
+        let points = self.with_points.then_some(&points[..]);
+        let symbolic = kind.backend().analyze(&matrix, points).map_err(failed)?;
         let analyze_s = vec![lap()];
         let mut factor = symbolic.factor(&matrix).map_err(failed)?;
         let mut factor_s = vec![lap()];

@@ -2,6 +2,7 @@
 //! the comparison calls.
 
 mod dry;
+mod follow;
 mod limits;
 mod linear;
 mod network;
@@ -16,6 +17,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 pub use self::dry::{Dry, Material, Stepped};
+pub use self::follow::{Follow, Followed, MOTION};
 pub use self::limits::Limits;
 pub use self::linear::{Linear, Solved};
 pub use self::network::{Build, Built};
@@ -34,6 +36,8 @@ pub enum Job {
     Dry(Dry),
     /// Networks from positions.
     Build(Build),
+    /// Orderings of a network before and after small motion.
+    Follow(Follow),
     /// The file of a system.
     Systemize(Systemize),
     /// A factorization and solves.
@@ -63,6 +67,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Job::Limits {} => give(to, &limits::measure()),
         Job::Dry(job) => give(to, &job.measure()?),
         Job::Build(job) => give(to, &job.measure()?),
+        Job::Follow(job) => give(to, &job.measure()?),
         Job::Systemize(job) => give(to, &job.write()?),
         Job::Linear(job) => give(to, &job.measure()?),
         Job::Run(job) => give(to, &job.measure()?),

@@ -52,7 +52,7 @@ impl Build {
                     .map_err(dempfv::Error::from)?;
             built.network_s.push(start.elapsed().as_secs_f64());
             let operators = Operators::new(&network, derivatives, fluid.boundary)
-            .map_err(dempfv::Error::from)?;
+                .map_err(dempfv::Error::from)?;
             built.all_s.push(start.elapsed().as_secs_f64());
             drop(operators);
             built.pores = network.pores() as f64;

@@ -66,7 +66,8 @@ impl Run {
             done.step_s.push(start.elapsed().as_secs_f64());
             let solve: Duration = spent(&simulation) - before;
             done.solve_s.push(solve.as_secs_f64());
-            if let Some(flow) = simulation.coupled().flow().filter(|_| self.checks.contains(&step)) {
+            if let Some(flow) = simulation.coupled().flow().filter(|_| self.checks.contains(&step))
+            {
                 let (error, residual) = check(flow)?;
                 done.pressure_errors.push(error);
                 done.residuals.push(residual);

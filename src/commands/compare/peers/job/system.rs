@@ -9,11 +9,11 @@ use dempfv::io::atomic;
 use dempfv::pfv::{Network, Operators};
 use dempfv::scene::load_packing;
 use dempfv::solver::{SolverKind, SymmetricCsc};
-use dempfv::{InputError, Vec3};
+use dempfv::{Aabb, InputError, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::network::fluid;
 use super::super::sample::worst;
+use super::network::fluid;
 use super::solver_failed;
 use crate::commands::Error;
 
@@ -57,6 +57,35 @@ pub struct Errors {
     pub forward: f64,
 }
 
+/// A network with its operators, and where its unknowns are.
+pub struct Meshed {
+    pub network: Network,
+    pub operators: Operators,
+    pub points: Vec<[f64; 3]>,
+}
+
+impl Meshed {
+    /// The network of these spheres, drained at the top.
+    ///
+    /// # Errors
+    /// They have none.
+    pub fn new(position: &[Vec3], radius: &[f64], bounds: Aabb) -> Result<Meshed, Error> {
+        let fluid = fluid();
+        let (network, derivatives) =
+            Network::new(position, radius, bounds, &fluid).map_err(dempfv::Error::from)?;
+        let operators =
+            Operators::new(&network, derivatives, fluid.boundary).map_err(dempfv::Error::from)?;
+        let center = |&i: &u32| network.center[i as usize].into();
+        let points = operators.pore_of.iter().map(center).collect();
+        Ok(Meshed { network, operators, points })
+    }
+
+    /// Corners of the pores.
+    pub fn cells(&self) -> &[[u32; 4]] {
+        &self.network.tessellation.cells
+    }
+}
+
 impl Systemize {
     /// Writes the file.
     ///
@@ -73,14 +102,8 @@ impl System {
     /// The network of a packing, in which the spheres are squeezed towards the drained top.
     fn new(packing: &Path) -> Result<System, Error> {
         let (packing, bounds) = load_packing(packing, None).map_err(dempfv::Error::from)?;
-        let fluid = fluid();
-        let (network, derivatives) =
-            Network::new(&packing.position, &packing.radius, bounds, &fluid)
-                    .map_err(dempfv::Error::from)?;
-        let operators = Operators::new(&network, derivatives, fluid.boundary)
-            .map_err(dempfv::Error::from)?;
-        let points: Vec<[f64; 3]> =
-            operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
+        let Meshed { network, operators, points } =
+            Meshed::new(&packing.position, &packing.radius, bounds)?;
         let n = operators.unknowns();
         let solution = if n <= REAL {
             let velocity: Vec<Vec3> =
@@ -152,7 +175,9 @@ impl System {
         let bytes = fs::read(path).map_err(|e| dempfv::Error::io(path, e))?;
         let x: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|c| f64::from_le_bytes(*c)).collect();
         if x.len() != self.matrix.n {
-            return Err(InputError::new("no solution of the system", "remove it").in_file(path).into());
+            return Err(InputError::new("no solution of the system", "remove it")
+                .in_file(path)
+                .into());
         }
         let product = product(&self.matrix, &x);
         let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
