@@ -12,6 +12,10 @@ TEST_PACKAGES := python3-venv
 # What the comparison runs beside ours, and what checks both.
 YADE_PACKAGES := yade python3-numpy python3-mpmath
 
+# What else the contest runs. PARDISO comes from PyPI, faer from crates.io.
+PEER_PACKAGES := $(YADE_PACKAGES) lammps openmpi-bin python3-venv
+PARDISO := pypardiso==0.4.7
+
 MEMCHECK_PACKAGES := valgrind
 VALGRIND := ["valgrind", "-q", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite", \
 	"--errors-for-leak-kinds=definite"]
@@ -19,6 +23,7 @@ UNDER_VALGRIND = cargo test --locked --config 'target."cfg(unix)".runner = $(VAL
 
 DEMO := out/oedometer
 COMPARISON := out/compare-yade
+CONTEST := out/compare-peers
 PAPER := out/paper
 BUNDLE := out/bundle
 
@@ -27,8 +32,8 @@ WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
-	compare-yade yade-test paper cuda cuda-test bundle bench install-packages install-test-packages install-yade \
-	install-memcheck-packages
+	compare compare-test compare-yade yade-test paper cuda cuda-test bundle bench install-packages install-test-packages install-yade \
+	install-memcheck-packages install-peers
 
 help: ## List these commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -60,6 +65,18 @@ demo-test: demo install-test-packages
 # The crates are ready to publish: they build from their own packages.
 package-test: install-packages
 	tests/package.sh
+
+compare: build install-peers ## Run YADE, LAMMPS, CHOLMOD, PARDISO, faer and ours; writes benches/report.md (an hour, goes on where it stopped)
+	$(DEMPFV) compare peers --out $(CONTEST)
+	mkdir -p benches/report
+	rm -f benches/report/*.png
+	cp $(CONTEST)/report/*.png benches/report/
+	cp $(CONTEST)/report.md benches/report.md
+	@echo "Report: benches/report.md; raw points in $(CONTEST)/points/"
+
+# The contest on small packings, with what is installed anyway: that it works, not who wins.
+compare-test: build install-yade
+	$(DEMPFV) compare peers --quick --without lammps pardiso faer --force
 
 compare-yade: build install-yade ## Run YADE on the same input, side by side; writes docs/yade.md (long)
 	$(DEMPFV) compare yade --out $(COMPARISON) --force
@@ -112,7 +129,7 @@ cuda-test: install-packages install-test-packages
 bundle: cuda ## Pack the GPU program with its libraries for another machine: out/bundle
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
-bench: install-packages ## Time a step, a network, a solve, by criterion
+bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
 	cargo bench --workspace --locked
 
 install-packages:
@@ -123,6 +140,13 @@ install-test-packages:
 
 install-yade:
 	@tests/install.sh $(YADE_PACKAGES)
+
+install-peers:
+	@tests/install.sh $(PEER_PACKAGES)
+	@test -x $(CONTEST)/venv/bin/python || /usr/bin/python3 -m venv $(CONTEST)/venv
+	@$(CONTEST)/venv/bin/python -c "import pypardiso" 2>/dev/null || \
+		$(CONTEST)/venv/bin/pip install --quiet --disable-pip-version-check $(PARDISO)
+	cargo build --release --locked --manifest-path benches/peers/faer/Cargo.toml --target-dir target/peers
 
 install-memcheck-packages:
 	@tests/install.sh $(MEMCHECK_PACKAGES)

@@ -99,9 +99,73 @@ pub fn library_path() -> Option<String> {
     file_of(c"dgemm_")
 }
 
+/// A type that the BLAS multiplies matrices of.
+pub trait Real: Copy + Default {
+    #[doc(hidden)]
+    const GEMM: &'static CStr;
+    #[doc(hidden)]
+    const ONE: Self;
+}
+
+impl Real for f64 {
+    const GEMM: &'static CStr = c"dgemm_";
+    const ONE: f64 = 1.0;
+}
+
+impl Real for f32 {
+    const GEMM: &'static CStr = c"sgemm_";
+    const ONE: f32 = 1.0;
+}
+
+/// C = A B of square matrices by columns: how fast this goes is what a machine can be held
+/// against. Returns false where no BLAS is loaded, or the three are not n x n.
+pub fn multiply<T: Real>(n: usize, a: &[T], b: &[T], c: &mut [T]) -> bool {
+    type Gemm<T> = unsafe extern "C" fn(
+        *const c_char,
+        *const c_char,
+        *const c_int,
+        *const c_int,
+        *const c_int,
+        *const T,
+        *const T,
+        *const c_int,
+        *const T,
+        *const c_int,
+        *const T,
+        *mut T,
+        *const c_int,
+    );
+    let (Some(address), Ok(size)) = (symbol(T::GEMM), c_int::try_from(n)) else { return false };
+    if [a.len(), b.len(), c.len()] != [n * n; 3] {
+        return false;
+    }
+    let (plain, one, zero) = (b'N' as c_char, T::ONE, T::default());
+    // SAFETY: the BLAS declares `xgemm_` so, for the type that GEMM is named after; each
+    // matrix has n columns of n entries, as was checked.
+    unsafe {
+        let gemm: Gemm<T> = std::mem::transmute(address);
+        let (a, b, c, size) = (a.as_ptr(), b.as_ptr(), c.as_mut_ptr(), &raw const size);
+        let (t, one, zero) = (&raw const plain, &raw const one, &raw const zero);
+        gemm(t, t, size, size, size, one, a, size, b, size, zero, c, size);
+    }
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// By hand: (1 3; 2 4)(5 7; 6 8) by columns.
+    #[test]
+    fn matrices_are_multiplied() {
+        std::hint::black_box(crate::cholmod_l_factorize as *const ());
+        let mut c = [0.0; 4];
+        assert!(multiply(2, &[1.0, 2.0, 3.0, 4.0], &[5.0, 6.0, 7.0, 8.0], &mut c));
+        assert_eq!(c, [23.0, 34.0, 31.0, 46.0]);
+        let mut c = [0.0_f32; 1];
+        assert!(multiply(1, &[3.0], &[2.0], &mut c) && c == [6.0]);
+        assert!(!multiply(2, &[1.0_f32], &[2.0], &mut c));
+    }
 
     /// CHOLMOD needs a BLAS, so there is one to describe; where it is OpenBLAS
     /// the number of threads that was set is the one that is told.

@@ -2,20 +2,26 @@
 //! 20,000 spheres: network build, ordering and analysis, factorization, one
 //! solve, the operators, one coupled step without a remesh.
 //!
-//! Beside the times stand the bytes that E, F and the solve must read, so that
-//! they can be held against the memory bandwidth, which is measured first.
+//! Below each time stand the bytes and operations that it takes at least, and
+//! how long they take at the machine's limits, which are measured first. What
+//! fits into the caches may be faster than the memory.
 
-use std::hint::black_box;
+mod limits;
+
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use dempfv::coupling::{Coupled, RemeshRule, Saturation};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallMaterial};
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, Network, Operators};
-use dempfv::solver::SolverKind;
+use dempfv::solver::{Factor, SolverKind};
 use dempfv::{Aabb, Vec3, WallId};
+use limits::{Limits, Work};
+
+/// Four corners of a pore and a vector for each, and a number.
+const GRADIENT: f64 = 4.0 * (4.0 + 24.0) + 8.0;
 
 /// Water, drained at the top.
 fn fluid() -> Fluid {
@@ -49,81 +55,89 @@ fn specimen(packing: &Packing, bounds: Aabb) -> Coupled {
     coupled
 }
 
-/// Memory bandwidth of one thread and of all: the sum of an array far larger
-/// than any cache, best of five (GB/s).
-fn bandwidth() -> (f64, f64) {
-    use rayon::prelude::*;
-    let data = vec![1.0f64; 1 << 26];
-    let bytes = (data.len() * 8) as f64;
-    let best = |run: &dyn Fn() -> f64| {
-        let times = (0..5).map(|_| {
-            let start = Instant::now();
-            black_box(run());
-            start.elapsed().as_secs_f64()
-        });
-        bytes / times.fold(f64::INFINITY, f64::min) / 1e9
-    };
-    // Eight sums at a time, so that the additions do not wait for each other.
-    let sum = |part: &[f64]| {
-        let lanes = part.chunks_exact(8).fold([0.0; 8], |mut s, c| {
-            s.iter_mut().zip(c).for_each(|(s, c)| *s += c);
-            s
-        });
-        lanes.iter().sum::<f64>()
-    };
-    (best(&|| sum(&data)), best(&|| data.par_chunks(1 << 16).map(sum).sum()))
+/// What the parts must do, by pore, unknown and entry of the factor.
+struct Works {
+    network: Work,
+    analyze: Work,
+    factor: Work,
+    operator: Work,
+    solve: Work,
+    step: Work,
+}
+
+impl Works {
+    fn new(flow: &Flow, factor: &dyn Factor, contacts: usize) -> Works {
+        let (pores, unknowns) = (flow.network.pores(), flow.operators.unknowns());
+        let analysis = factor.analysis();
+        let each = |total: f64| total / unknowns as f64;
+        let entries = each(flow.operators.matrix.nnz() as f64);
+        let (l, nnz) = (each(factor.memory_bytes() as f64), each(analysis.nnz_l as f64));
+        let of_pores = |bytes, flops| Work { count: pores, unit: "pores", bytes, flops };
+        let of_unknowns = |bytes, flops| Work { count: unknowns, unit: "unknowns", bytes, flops };
+        // Per pore: its corners, neighbours, centre and volume, two vectors for each
+        // corner, and two throats with a number each; and some 400 operations a throat.
+        let built = 4.0 * (4.0 + 4.0 + 24.0 + 24.0) + 32.0 + 2.0 * (8.0 + 8.0) + 16.0 * entries;
+        // L twice, E and F, and what a dry step takes for its contacts.
+        let steps = (2.0 * l + 2.0 * GRADIENT) * unknowns as f64 + 56.0 * contacts as f64;
+        let computed = (4.0 * nnz + 48.0) * unknowns as f64 + 150.0 * contacts as f64;
+        Works {
+            network: of_pores(built, 800.0),
+            // The pattern is read, an order written.
+            analyze: of_unknowns(8.0 * entries + 16.0, 0.0),
+            factor: of_unknowns(l + 16.0 * entries, each(analysis.flops)),
+            operator: of_pores(GRADIENT, 24.0),
+            solve: of_unknowns(2.0 * l, 4.0 * nnz),
+            step: of_unknowns(each(steps), each(computed)),
+        }
+    }
 }
 
 fn parts(c: &mut Criterion) {
-    let (one, all) = bandwidth();
-    println!("memory bandwidth: {one:.1} GB/s on one thread, {all:.1} GB/s on all");
-    let mut group = c.benchmark_group("coupled");
-    group.sample_size(10).measurement_time(Duration::from_secs(3));
+    let limits = Limits::measure();
+    let pool = rayon::ThreadPoolBuilder::new().build().expect("a pool");
     for count in [1_000, 5_000, 20_000] {
+        let mut group = c.benchmark_group("coupled");
+        group.sample_size(10).measurement_time(Duration::from_secs(3));
+        group.warm_up_time(Duration::from_secs(1));
         let (packing, bounds) = packing(count);
         let (x, r) = (&packing.position, &packing.radius);
         let id = |what| BenchmarkId::new(what, count);
-        group.bench_function(id("network"), |b| {
-            b.iter(|| {
-                let (network, derivatives) =
-                    Network::new(x, r, bounds, &fluid()).expect("a network");
-                Operators::new(&network, derivatives, fluid().boundary).expect("operators")
-            });
-        });
         let mut flow = Flow::new(x, r, bounds, &fluid(), SolverKind::default()).expect("a flow");
-        let matrix = flow.operators.matrix.clone();
-        let backend = SolverKind::default().backend();
-        group.bench_function(id("analyze"), |b| {
-            b.iter(|| backend.analyze(&matrix, None).expect("an analysis"));
-        });
-        let mut factor =
-            Some(backend.analyze(&matrix, None).and_then(|s| s.factor(&matrix)).expect("a factor"));
-        group.bench_function(id("factor"), |b| {
-            b.iter(|| factor = factor.take().map(|f| f.refactor(&matrix).expect("a factor")));
-        });
-        let velocity: Vec<Vec3> = x.iter().map(|x| Vec3::new(0.0, -x.y, 0.0)).collect();
-        let walls = [0.0; 6];
-        let pores = flow.network.pores();
-        println!(
-            "{count}: {pores} pores, nnz(L) {}; bytes read: E {:.1} MB, F {:.1} MB, a solve {:.1} MB",
-            flow.nnz_l(),
-            (pores * 4 * 28) as f64 / 1e6,
-            (pores * 4 * 28) as f64 / 1e6,
-            flow.nnz_l() as f64 * 16.0 / 1e6,
-        );
-        group.bench_function(id("volume_rates"), |b| {
-            b.iter(|| flow.update_volume_rate(&velocity, &walls));
-        });
-        group.bench_function(id("solve"), |b| b.iter(|| flow.update_pressure().expect("p")));
-        group.bench_function(id("forces"), |b| b.iter(|| flow.update_force()));
-
         let mut coupled = specimen(&packing, bounds);
         coupled.step(1e-6).expect("the first step, with its network");
-        group.bench_function(id("coupled_step"), |b| {
-            b.iter(|| coupled.step(1e-6).expect("a step"));
+        let matrix = flow.operators.matrix.clone();
+        let centers = flow.operators.pore_of.iter().map(|&i| flow.network.center[i as usize]);
+        let points: Vec<[f64; 3]> = centers.map(Into::into).collect();
+        let backend = SolverKind::default().backend();
+        let analyze = || backend.analyze(&matrix, Some(&points)).expect("an analysis");
+        let factor = analyze().factor(&matrix).expect("a factor");
+        let works = Works::new(&flow, &*factor, coupled.dem.contacts().count());
+        println!("{count} spheres: {} pores, nnz(L) {}", flow.network.pores(), flow.nnz_l());
+
+        limits.bench(&mut group, id("network"), &works.network, &pool, || {
+            let (network, derivatives) = Network::new(x, r, bounds, &fluid()).expect("a network");
+            Operators::new(&network, derivatives, fluid().boundary).expect("operators");
         });
+        limits.bench(&mut group, id("analyze"), &works.analyze, &pool, || drop(analyze()));
+        let mut factor = Some(factor);
+        limits.bench(&mut group, id("factor"), &works.factor, &pool, || {
+            factor = factor.take().map(|f| f.refactor(&matrix).expect("a factor"));
+        });
+        drop(factor);
+        let velocity: Vec<Vec3> = x.iter().map(|x| Vec3::new(0.0, -x.y, 0.0)).collect();
+        let walls = [0.0; 6];
+        limits.bench(&mut group, id("volume_rates"), &works.operator, &pool, || {
+            flow.update_volume_rate(&velocity, &walls);
+        });
+        limits.bench(&mut group, id("solve"), &works.solve, &pool, || {
+            flow.update_pressure().expect("pressures");
+        });
+        limits.bench(&mut group, id("forces"), &works.operator, &pool, || flow.update_force());
+        limits.bench(&mut group, id("coupled_step"), &works.step, &pool, || {
+            coupled.step(1e-6).expect("a step");
+        });
+        group.finish();
     }
-    group.finish();
 }
 
 criterion_group!(benches, parts);

@@ -73,6 +73,23 @@ fn after(text: &str, key: &str) -> Option<String> {
     Some(rest.trim_start_matches([' ', '\t', ':']).trim().to_owned())
 }
 
+/// Key of the most memory that a process has held.
+pub const PEAK: &str = "VmHWM:";
+/// Key of the memory that a process holds.
+pub const HELD: &str = "VmRSS:";
+
+/// Memory of this process by one of the system's keys, in bytes.
+pub fn own_memory(key: &str) -> Option<u64> {
+    let size = after(&fs::read_to_string("/proc/self/status").ok()?, key)?;
+    Some(size.strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// From here on the most memory that this process has held is that of what follows; where
+/// the system refuses, it stays.
+pub fn forget_peak() {
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
 /// Today in UTC, as in 2026-11-22.
 pub fn today() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();

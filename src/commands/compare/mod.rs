@@ -7,6 +7,7 @@ mod loading;
 mod network;
 mod page;
 mod peer;
+mod peers;
 mod reference;
 mod time;
 mod verdict;
@@ -50,6 +51,11 @@ pub struct Args {
 enum Peer {
     /// Pore networks, mechanics, coupled runs and times beside Debian's YADE
     Yade(YadeArgs),
+    /// Speed beside YADE, LAMMPS, CHOLMOD with METIS, PARDISO and faer
+    Peers(peers::Args),
+    /// One measurement, in a process of its own; for `compare peers`
+    #[command(hide = true)]
+    Job(peers::job::Args),
 }
 
 /// What the comparison with YADE takes.
@@ -105,9 +111,21 @@ trait Part: Serialize + DeserializeOwned {
     fn section(&self, folder: &Path) -> Result<String, Error>;
 }
 
-/// How the comparison came out.
+/// How a comparison came out.
 #[derive(Serialize)]
-pub struct Report {
+#[serde(untagged)]
+pub enum Report {
+    /// With YADE.
+    Yade(YadeReport),
+    /// With all peers.
+    Peers(peers::Report),
+    /// A measurement, which has written its own file.
+    Job,
+}
+
+/// How the comparison with YADE came out.
+#[derive(Serialize)]
+pub struct YadeReport {
     yade: String,
     verdicts: Vec<Verdict>,
     page: PathBuf,
@@ -115,22 +133,31 @@ pub struct Report {
 
 impl Report {
     /// What the program ends with after the report: an error when something lies
-    /// outside its bounds and nothing explains why.
+    /// outside its bounds and nothing explains why. A contest is not lost by an error.
     pub fn judge(&self) -> Result<(), Error> {
-        match self.verdicts.iter().filter(|v| v.fails()).count() {
+        let Report::Yade(report) = self else { return Ok(()) };
+        match report.verdicts.iter().filter(|v| v.fails()).count() {
             0 => Ok(()),
-            count => Err(Error::Differs { count, page: self.page.clone() }),
+            count => Err(Error::Differs { count, page: report.page.clone() }),
         }
     }
 }
 
-/// Runs both programs on the same input and writes the report.
+/// Makes the comparison that is named.
 ///
 /// # Errors
 /// What is wrong in the options; or which step of the comparison failed, and where the
 /// log of it is.
 pub fn run(args: &Args) -> Result<Report, Error> {
-    let Peer::Yade(args) = &args.with;
+    match &args.with {
+        Peer::Yade(args) => run_yade(args).map(Report::Yade),
+        Peer::Peers(args) => peers::run(args).map(Report::Peers),
+        Peer::Job(args) => peers::job::run(args).map(|()| Report::Job),
+    }
+}
+
+/// Runs YADE and ours on the same input and writes the report.
+fn run_yade(args: &YadeArgs) -> Result<YadeReport, Error> {
     let networks = packings(&args.packings, &SHIPPED)?;
     let packings = packings(&args.packings, &PACKINGS)?;
     let folder = args.output.folder(Path::new("compare-yade"), PAGE)?;
@@ -144,7 +171,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         if !args.packings.is_empty() {
             network::write_reference(&bench, &networks, folder)?;
         }
-        return Ok(Report { yade: bench.peer.version, verdicts: vec![], page: folder.clone() });
+        return Ok(YadeReport { yade: bench.peer.version, verdicts: vec![], page: folder.clone() });
     }
     let mut page = page::Page::new(&bench)?;
     let force = args.output.force;
@@ -155,7 +182,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;
     let path = bench.folder.join(PAGE);
     let verdicts = page.write(&path)?;
-    Ok(Report { yade: bench.peer.version.clone(), verdicts, page: path })
+    Ok(YadeReport { yade: bench.peer.version.clone(), verdicts, page: path })
 }
 
 /// The packings to compare on, by absolute path: the other program runs elsewhere.
@@ -175,6 +202,16 @@ fn packings(named: &[PathBuf], shipped: &[&str]) -> Result<Vec<PathBuf>, InputEr
 }
 
 impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Report::Yade(report) => report.fmt(f),
+            Report::Peers(report) => report.fmt(f),
+            Report::Job => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for YadeReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "YADE {} beside dempfv {}\n", self.yade, env!("CARGO_PKG_VERSION"))?;
         let rows: Vec<Vec<String>> = self.verdicts.iter().map(Verdict::row).collect();

@@ -78,7 +78,9 @@ impl Bench {
         command.arg(format!("-j{threads}")).args(["-n", "-x"]);
         self.script(step, "YADE", command, &script, threads, job)
     }
+}
 
+impl<P> bench::Bench<P> {
     /// Runs a script in Debian's Python, which has what YADE depends on; in the same way.
     ///
     /// # Errors
@@ -93,7 +95,12 @@ impl Bench {
         self.script(step, "Python", Command::new("/usr/bin/python3"), &script, 1, job)
     }
 
-    fn script<T: DeserializeOwned>(
+    /// Runs a script by an interpreter, which finds its job and the place of its result in
+    /// the environment.
+    ///
+    /// # Errors
+    /// As [`yade`](Bench::yade).
+    pub fn script<T: DeserializeOwned>(
         &self,
         step: &str,
         program: &str,
@@ -110,7 +117,7 @@ impl Bench {
         // The result of an earlier call must not pass for that of this one.
         let _ = std::fs::remove_file(&result);
         command.arg(&path).env("DEMPFV_JOB", &input).env("DEMPFV_RESULT", &result);
-        for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"] {
+        for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
             command.env(name, threads.to_string());
         }
         let log = self.run_logged(step, program, &mut command)?;

@@ -10,8 +10,8 @@ use dempfv::solver::SolverKind;
 use serde::{Serialize, Serializer};
 
 use super::remesh::Remesh;
-use crate::commands::doctor;
 use crate::commands::format::{bytes, count, duration, si, three_digits};
+use crate::commands::{doctor, machine};
 use crate::report::table::table;
 
 /// How a run ended.
@@ -102,7 +102,7 @@ impl Report {
             remesh: plan.fluid.is_some().then(|| Remesh::of(coupled)),
             largest_residual: coupled.largest_residual(),
             largest_imbalance: coupled.largest_imbalance(),
-            peak_memory_bytes: peak_memory(),
+            peak_memory_bytes: machine::own_memory(machine::PEAK),
             threads,
             solver: plan.fluid.as_ref().map(|f| f.solver.name()),
             gpu: plan
@@ -191,13 +191,6 @@ fn networks(simulation: &Simulation) -> (usize, usize) {
         _ => None,
     });
     test.unwrap_or_default()
-}
-
-/// The most memory that this process has held, in bytes.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
 /// A stage's result in a few words.

@@ -11,8 +11,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use self::measured::Times;
-use self::runs::{Job, Specimen, Tuning};
+pub use self::measured::Times;
+use self::runs::Job;
+pub use self::runs::{Job as YadeRun, Specimen, Tuning};
 use super::peer::Bench;
 use super::verdict::Verdict;
 use crate::commands::{Error, machine};
@@ -22,7 +23,7 @@ use crate::commands::{Error, machine};
 const SMALL: usize = 5_000;
 const REPEATS: usize = 3;
 /// Steps between remeshes that times per step are quoted for, as in the paper.
-const INTERVAL: f64 = 200.0;
+pub const INTERVAL: f64 = 200.0;
 /// How long the machine is looked at before the first run.
 const LOOK: Duration = Duration::from_secs(2);
 
@@ -63,8 +64,8 @@ struct Case {
 
 /// One program in a case.
 #[derive(Clone, Copy, Serialize, Deserialize)]
-struct Side {
-    times: Times,
+pub struct Side {
+    pub times: Times,
     /// The most memory that the process held (bytes).
     peak_memory_bytes: u64,
     /// What of it the program takes before it has any sphere (bytes), where known.

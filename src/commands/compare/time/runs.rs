@@ -7,8 +7,9 @@ use dempfv::io::packing::{self, Packing};
 use dempfv::scene::load_packing;
 use serde::{Deserialize, Serialize};
 
+use super::measured::Times;
 use super::record::Record;
-use super::{SMALL, Side, Times};
+use super::{SMALL, Side};
 use crate::commands::Error;
 use crate::commands::compare::peer::Bench;
 
@@ -20,6 +21,13 @@ pub struct Specimen {
     pub spheres: usize,
     path: PathBuf,
     bounds: Aabb,
+}
+
+impl Specimen {
+    /// A packing in a file, by absolute path.
+    pub fn new(spheres: usize, path: PathBuf, bounds: Aabb) -> Specimen {
+        Specimen { spheres, path, bounds }
+    }
 }
 
 /// The packings by size, and eight copies of the largest of the small ones where they make

@@ -1,0 +1,131 @@
+//! What is measured in a process of its own: `dempfv compare job JOB RESULT`, which only
+//! the comparison calls.
+
+mod dry;
+mod follow;
+mod limits;
+mod linear;
+mod network;
+mod steps;
+mod system;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use dempfv::InputError;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+pub use self::dry::{Dry, Material, Stepped};
+pub use self::follow::{Follow, Followed, MOTION};
+pub use self::limits::Limits;
+pub use self::linear::{Linear, Solved};
+pub use self::network::{Build, Built};
+pub use self::steps::{Run, Steps};
+pub use self::system::{Errors, Made, System, Systemize};
+use crate::commands::bench::Bench;
+use crate::commands::{Error, context};
+
+/// What is to be done.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "job", rename_all = "snake_case")]
+pub enum Job {
+    /// What the machine can do.
+    Limits {},
+    /// Steps without fluid.
+    Dry(Dry),
+    /// Networks from positions.
+    Build(Build),
+    /// Orderings of a network before and after small motion.
+    Follow(Follow),
+    /// The file of a system.
+    Systemize(Systemize),
+    /// A factorization and solves.
+    Linear(Linear),
+    /// Steps of a scene, with its pressures checked.
+    Run(Run),
+}
+
+/// What the subcommand takes.
+#[derive(clap::Args)]
+pub struct Args {
+    job: PathBuf,
+    result: PathBuf,
+}
+
+/// Does what the file says.
+///
+/// # Errors
+/// The file is none of a job, or what the work returns.
+pub fn run(args: &Args) -> Result<(), Error> {
+    let text = std::fs::read(&args.job).map_err(|e| dempfv::Error::io(&args.job, e))?;
+    let job: Job = serde_json::from_slice(&text).map_err(|e| {
+        InputError::new(format!("{e}"), "this subcommand is for `compare peers`").in_file(&args.job)
+    })?;
+    let to = args.result.as_path();
+    match job {
+        Job::Limits {} => give(to, &limits::measure()),
+        Job::Dry(job) => give(to, &job.measure()?),
+        Job::Build(job) => give(to, &job.measure()?),
+        Job::Follow(job) => give(to, &job.measure()?),
+        Job::Systemize(job) => give(to, &job.write()?),
+        Job::Linear(job) => give(to, &job.measure()?),
+        Job::Run(job) => give(to, &job.measure()?),
+    }
+}
+
+fn give(path: &Path, result: &impl Serialize) -> Result<(), Error> {
+    Ok(context::write_json(path, result)?)
+}
+
+impl<P> Bench<P> {
+    /// Does a job in a process of its own.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it fails; its log is kept.
+    pub fn job<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        job: &Job,
+        threads: usize,
+    ) -> Result<T, Error> {
+        let mut command = Command::new(self.program(step)?);
+        command.args(["--threads", &threads.to_string(), "compare", "job"]);
+        self.ask(step, "dempfv", command, job)
+    }
+
+    /// Runs a program that reads a job from its next argument, a file, and writes its result
+    /// into that after it.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it fails; its log is kept.
+    pub fn ask<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        program: &str,
+        mut command: Command,
+        job: &impl Serialize,
+    ) -> Result<T, Error> {
+        let input = self.folder.join("jobs").join(format!("{step}.json"));
+        let result = self.folder.join("jobs").join(format!("{step}.result.json"));
+        context::write_json(&input, job)?;
+        // The result of an earlier call must not pass for that of this one.
+        let _ = std::fs::remove_file(&result);
+        command.args([&input, &result]);
+        let log = self.run_logged(step, program, &mut command)?;
+        let wrong = |what: String| Error::Peer {
+            step: step.to_owned(),
+            what: format!("{program} {what}"),
+            log: Some(log.clone()),
+        };
+        let text =
+            std::fs::read(&result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
+        serde_json::from_slice(&text)
+            .map_err(|e| wrong(format!("left something unexpected in {}: {e}", result.display())))
+    }
+}
+
+/// The errors of jobs: the process that asked shows the log.
+fn solver_failed(solver: &str, error: &dempfv::solver::SolverError) -> Error {
+    Error::Peer { step: solver.to_owned(), what: error.to_string(), log: None }
+}
