@@ -107,7 +107,7 @@ fn analyze(
 /// Memory ran out, or CHOLMOD refused.
 pub(super) fn metis_order(a: &SymmetricCsc) -> Result<Vec<u32>, SolverError> {
     let guard = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
-    let raw = Raw::analyze(a).map_err(|fault| error(fault, "analyze", a.n))?;
+    let raw = Raw::analyze(a, None).map_err(|fault| error(fault, "analyze", a.n))?;
     drop(guard);
     Ok(raw.permutation().iter().map(|&k| k as u32).collect())
 }

@@ -84,7 +84,7 @@ impl Backend for Frontal {
         let (ordering, order) = match coordinates {
             Some(points) => {
                 let order = ordering::order(a, points);
-                ("cuts", order.into_iter().map(|k| k as u32).collect())
+                ("minimum cuts", order.into_iter().map(|k| k as u32).collect())
             }
             None => ("metis", cholmod::metis_order(a)?),
         };
