@@ -169,11 +169,14 @@ fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
 
 type Block<T> = [T; LANES];
 
+/// Centres, volumes and gradients.
+type PoreBlock = (Block<Vec3>, (Block<f64>, Block<[Vec3; 4]>));
+
 /// Centres, volumes and gradients of up to [`LANES`] pores; not a number where
 /// there is none. Loops and no closures: these the compiler unrolls.
-fn pores_at(frame: &Frame, cells: &[[u32; 4]]) -> (Block<Vec3>, (Block<f64>, Block<[Vec3; 4]>)) {
+fn pores_at(frame: &Frame, cells: &[[u32; 4]]) -> PoreBlock {
     let mut batch = PoreBatch::new();
-    for (l, cell) in cells.iter().enumerate().filter(|(_, cell)| frame.are_spheres(*cell)) {
+    for (l, cell) in cells.iter().enumerate().filter(|(_, cell)| frame.are_spheres(cell)) {
         for (k, &v) in cell.iter().enumerate() {
             batch.set(l, k, &frame.x[v as usize], frame.r[v as usize]);
         }

@@ -168,8 +168,8 @@ impl<'a> Slabs<'a> {
         let points: Vec<[f64; 4]> = ids.iter().map(|&i| self.points[i as usize]).collect();
         let Triangulation { mut cells, mut neighbors, hidden } =
             cgal_sys::triangulate(&points).ok()?;
-        let mut piece = Piece::default();
-        piece.hidden = hidden.into_iter().map(|i| ids[i as usize]).collect();
+        let hidden = hidden.into_iter().map(|i| ids[i as usize]).collect();
+        let mut piece = Piece { hidden, ..Piece::default() };
         let mut kept = vec![ACROSS; cells.len()];
         for (c, cell) in cells.iter_mut().enumerate() {
             *cell = cell.map(|i| ids[i as usize]);
@@ -295,12 +295,15 @@ mod tests {
         walled(spheres.collect(), size)
     }
 
-    fn sorted(t: Triangulation) -> (Vec<([u32; 4], [Option<[u32; 4]>; 4])>, Vec<u32>) {
+    /// A cell and those across its facets.
+    type Surrounded = ([u32; 4], [Option<[u32; 4]>; 4]);
+
+    fn sorted(t: Triangulation) -> (Vec<Surrounded>, Vec<u32>) {
         let beyond = |n: u32| (n != NONE).then(|| t.cells[n as usize]);
         let mut cells: Vec<_> =
             t.cells.iter().zip(&t.neighbors).map(|(&c, n)| (c, n.map(beyond))).collect();
         cells.sort_unstable();
-        (cells, t.hidden.clone())
+        (cells, t.hidden)
     }
 
     /// Cells, neighbours and hidden points of a triangulation by slabs are
