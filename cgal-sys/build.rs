@@ -19,7 +19,7 @@ fn main() {
         // CGAL's interval arithmetic switches the rounding mode; the compiler
         // must not move or fold arithmetic across that, whatever the profile.
         .flag_if_supported("-frounding-math")
-        .opt_level(2)
+        .opt_level(3)
         .define("NDEBUG", None)
         .flag_if_supported("-w")
         .compile("dempfv_cgal_shim");

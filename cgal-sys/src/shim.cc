@@ -18,10 +18,23 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Id = std::uint32_t;
+
+// Hidden points are known by their absence: cells need not keep them.
+struct NoPoints {
+    using value_type = Kernel::Weighted_point_3;
+    using iterator = value_type *;
+    using const_iterator = const value_type *;
+    iterator begin() { return nullptr; }
+    iterator end() { return nullptr; }
+    const_iterator begin() const { return nullptr; }
+    const_iterator end() const { return nullptr; }
+};
+
 using Vertex =
     CGAL::Triangulation_vertex_base_with_info_3<Id, Kernel, CGAL::Regular_triangulation_vertex_base_3<Kernel>>;
-using Cell =
-    CGAL::Triangulation_cell_base_with_info_3<Id, Kernel, CGAL::Regular_triangulation_cell_base_3<Kernel>>;
+using CellBase = CGAL::Regular_triangulation_cell_base_3<Kernel, CGAL::Triangulation_cell_base_3<Kernel>,
+                                                         CGAL::Discard_hidden_points, NoPoints>;
+using Cell = CGAL::Triangulation_cell_base_with_info_3<Id, Kernel, CellBase>;
 using Regular = CGAL::Regular_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<Vertex, Cell>>;
 
 constexpr Id none = std::numeric_limits<Id>::max();
@@ -45,24 +58,24 @@ std::unique_ptr<Triangulation> triangulate(rust::Slice<const double> flat) {
     t.insert(points.begin(), points.end());
     if (t.dimension() < 3) throw std::invalid_argument("all points lie in one plane");
 
-    std::size_t cells = 0;
-    for (auto c = t.finite_cells_begin(); c != t.finite_cells_end(); ++c) {
-        if (cells >= none) throw std::length_error("2^32 cells or more");
-        c->info() = static_cast<Id>(cells++);
-    }
-
+    auto &all = t.tds().cells();
+    if (all.size() >= none) throw std::length_error("2^32 cells or more");
     auto out = std::make_unique<Triangulation>();
-    out->cells_.reserve(4 * cells);
-    out->neighbors_.reserve(4 * cells);
+    out->cells_.reserve(4 * all.size());
+    t.infinite_vertex()->info() = none;
+    Id cells = 0;
+    for (auto c = all.begin(); c != all.end(); ++c) {
+        const Id v[4] = {c->vertex(0)->info(), c->vertex(1)->info(), c->vertex(2)->info(), c->vertex(3)->info()};
+        const bool finite = v[0] != none && v[1] != none && v[2] != none && v[3] != none;
+        c->info() = finite ? cells++ : none;
+        if (finite) out->cells_.insert(out->cells_.end(), v, v + 4);
+    }
+    out->neighbors_.reserve(out->cells_.size());
+    for (auto c = all.begin(); c != all.end(); ++c)
+        if (c->info() != none)
+            for (int k = 0; k < 4; ++k) out->neighbors_.push_back(c->neighbor(k)->info());
     std::vector<bool> is_vertex(count, false);
-    for (auto c = t.finite_cells_begin(); c != t.finite_cells_end(); ++c)
-        for (int k = 0; k < 4; ++k) {
-            const Id v = c->vertex(k)->info();
-            is_vertex[v] = true;
-            out->cells_.push_back(v);
-            const auto across = c->neighbor(k);
-            out->neighbors_.push_back(t.is_infinite(across) ? none : across->info());
-        }
+    for (const Id v : out->cells_) is_vertex[v] = true;
     for (std::size_t i = 0; i < count; ++i)
         if (!is_vertex[i]) out->hidden_.push_back(static_cast<Id>(i));
     return out;

@@ -41,6 +41,28 @@ fn pore_volumes_add_up_to_the_box() {
     }
 }
 
+/// From 5,000 spheres on, threads triangulate slabs. The lattice has ties in
+/// every pore, where cells could be chosen one way or the other.
+#[test]
+fn networks_do_not_depend_on_the_number_of_threads() {
+    for s in [cubic(18, 0.0), cubic(18, 0.3)] {
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| operators(&s, &DRAINED_TOP))
+        };
+        let (one, ones) = with(1);
+        for threads in [2, 3] {
+            let (n, o) = with(threads);
+            assert_eq!(n.tessellation, one.tessellation);
+            assert_eq!((n.center, n.volume), (one.center.clone(), one.volume.clone()));
+            assert_eq!(n.throats.pores, one.throats.pores);
+            assert_eq!(n.throats.conductance, one.throats.conductance);
+            assert_eq!(n.throat_of, one.throat_of);
+            assert_eq!(o.matrix, ones.matrix);
+        }
+    }
+}
+
 /// The cells that YADE 2023.02a finds for the same packing: 5,685, eight of
 /// them in the corners.
 #[test]

@@ -35,6 +35,17 @@ impl<'a> Frame<'a> {
         self.x.len()
     }
 
+    /// Whether none of the vertices is a wall.
+    #[inline(always)]
+    pub fn are_spheres<const N: usize>(&self, vertices: &[u32; N]) -> bool {
+        let walls = self.x.len() as u32;
+        let mut spheres = true;
+        for &v in vertices {
+            spheres &= v < walls;
+        }
+        spheres
+    }
+
     pub fn vertex(&self, v: u32) -> Vertex {
         match self.x.get(v as usize) {
             Some(&x) => Vertex::Sphere { x, r: self.r[v as usize] },

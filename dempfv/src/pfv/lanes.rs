@@ -5,6 +5,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
+use crate::Vec3;
+
 /// Pores or throats evaluated at once: a few registers full.
 pub(super) const LANES: usize = 8;
 
@@ -180,12 +182,12 @@ pub(super) fn store3<S: Simd>(lanes: &mut [Lane; 3], step: usize, value: Lanes3<
 }
 
 #[inline(always)]
-pub(super) fn get(lanes: &[Lane; 3], l: usize) -> [f64; 3] {
-    [lanes[0][l], lanes[1][l], lanes[2][l]]
+pub(super) fn get(lanes: &[Lane; 3], l: usize) -> Vec3 {
+    Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
 }
 
 #[inline(always)]
-pub(super) fn put(lanes: &mut [Lane; 3], l: usize, v: [f64; 3]) {
+pub(super) fn put(lanes: &mut [Lane; 3], l: usize, v: &Vec3) {
     lanes[0][l] = v[0];
     lanes[1][l] = v[1];
     lanes[2][l] = v[2];

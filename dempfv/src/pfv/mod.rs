@@ -30,6 +30,7 @@ mod outlets;
 mod polyhedra;
 mod pore;
 mod pore_batch;
+mod slabs;
 mod tessellation;
 mod throat;
 mod throat_batch;

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::frame::{FACETS, Frame, Vertex};
+use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
+use super::operators::{TASK, runs};
 use super::pore::Pore;
 use super::pore_batch::PoreBatch;
 use super::throat::{Throat, WallFriction, throat};
@@ -12,9 +13,6 @@ use super::{Fluid, NONE, PfvError, Tessellation};
 use crate::{Aabb, Vec3};
 
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
-
-/// Pores that one task takes.
-const TASK: usize = 4_096;
 
 /// Throats between pores, each once; sorted by first pore.
 #[derive(Clone, Debug, Default)]
@@ -134,6 +132,15 @@ pub(super) struct Place {
     pub facet: u32,
 }
 
+impl Place {
+    /// The facet's vertices, counterclockwise seen from outside the first pore.
+    fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
+        let cell = &cells[self.pores[0] as usize];
+        let [a, b, c] = FACETS[self.facet as usize];
+        [cell[a], cell[b], cell[c]]
+    }
+}
+
 fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
     let blocks = t.cells.par_chunks(LANES).map(|cells| pores_at(frame, cells));
     let (center, (volume, gradient)): (Vec<_>, (Vec<_>, Vec<_>)) = blocks.unzip();
@@ -159,23 +166,23 @@ fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
 
 pub(super) type Block<T> = [T; LANES];
 
+/// Centres, volumes and gradients.
+pub(super) type PoreBlock = (Block<Vec3>, (Block<f64>, Block<[Vec3; 4]>));
+
 /// Centres, volumes and gradients of up to [`LANES`] pores; not a number where
-/// there is none.
-pub(super) fn pores_at(
-    frame: &Frame,
-    cells: &[[u32; 4]],
-) -> (Block<Vec3>, (Block<f64>, Block<[Vec3; 4]>)) {
+/// there is none. Loops and no closures: these the compiler unrolls.
+pub(super) fn pores_at(frame: &Frame, cells: &[[u32; 4]]) -> PoreBlock {
     let mut batch = PoreBatch::new();
-    for (l, cell) in cells.iter().enumerate() {
-        if let [Some(a), Some(b), Some(c), Some(d)] = cell.map(|v| sphere(frame, v)) {
-            batch.set(l, [a, b, c, d]);
+    for (l, cell) in cells.iter().enumerate().filter(|(_, cell)| frame.are_spheres(cell)) {
+        for (k, &v) in cell.iter().enumerate() {
+            batch.set(l, k, &frame.x[v as usize], frame.r[v as usize]);
         }
     }
     batch.evaluate();
     let mut out = ([NAN; LANES], ([f64::NAN; LANES], [[NAN; 4]; LANES]));
-    for (l, &cell) in cells.iter().enumerate() {
-        let inside = cell.iter().all(|&v| (v as usize) < frame.spheres());
-        let pore = if inside { Some(batch.pore(l)) } else { Pore::new(frame, cell) };
+    for (l, cell) in cells.iter().enumerate() {
+        let inside = frame.are_spheres(cell);
+        let pore = if inside { Some(batch.pore(l)) } else { Pore::new(frame, *cell) };
         if let Some(pore) = pore {
             out.0[l] = pore.center;
             out.1.0[l] = pore.volume;
@@ -210,22 +217,17 @@ pub(super) fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
     });
     let throat_of = throat_of.collect();
     let mut places = vec![Place::default(); total as usize];
-    let mut tasks = Vec::with_capacity(t.cells.len() / TASK + 1);
-    let mut rest = places.as_mut_slice();
-    for first in (0..t.cells.len()).step_by(TASK) {
-        let end = start.get(first + TASK).copied().unwrap_or(total);
-        let (task, after) = rest.split_at_mut((end - start[first]) as usize);
-        tasks.push((first, task));
-        rest = after;
-    }
-    tasks.into_par_iter().for_each(|(first, task)| {
-        let pores = t.neighbors.iter().enumerate().skip(first).take(TASK);
-        let facets = pores.flat_map(|(i, around)| {
-            (0..4).map(move |facet| Place { pores: [i as u32, around[facet as usize]], facet })
-        });
-        let owned = facets.filter(|place| owns(place.pores[0], place.pores[1]));
-        task.iter_mut().zip(owned).for_each(|(place, owned)| *place = owned);
-    });
+    let first_of = |i: usize| start.get(i).map_or(total as usize, |&first| first as usize);
+    runs(&mut places, t.cells.len(), first_of).into_par_iter().enumerate().for_each(
+        |(task, places)| {
+            let pores = t.neighbors.iter().enumerate().skip(task * TASK).take(TASK);
+            let facets = pores.flat_map(|(i, around)| {
+                (0..4).map(move |facet| Place { pores: [i as u32, around[facet as usize]], facet })
+            });
+            let owned = facets.filter(|place| owns(place.pores[0], place.pores[1]));
+            places.iter_mut().zip(owned).for_each(|(place, owned)| *place = owned);
+        },
+    );
     (places, throat_of)
 }
 
@@ -269,33 +271,32 @@ pub(super) fn throats_at(
     places: &[Place],
     friction: WallFriction,
 ) -> [Throat; LANES] {
-    let facet =
-        |place: &Place| FACETS[place.facet as usize].map(|k| cells[place.pores[0] as usize][k]);
-    let between = |place: &Place| place.pores.map(|p| center[p as usize]);
     let mut batch = ThroatBatch::new();
-    let mut batched = [false; LANES];
+    let mut out = [Throat::CLOSED; LANES];
     for (l, place) in places.iter().enumerate() {
-        if let [Some(a), Some(b), Some(c)] = facet(place).map(|v| sphere(frame, v)) {
-            batch.set(l, [a, b, c], between(place));
-            batched[l] = true;
+        let facet = place.facet(cells);
+        if frame.are_spheres(&facet) {
+            for (k, &v) in facet.iter().enumerate() {
+                batch.set_sphere(l, k, &frame.x[v as usize], frame.r[v as usize]);
+            }
+            for (k, &p) in place.pores.iter().enumerate() {
+                batch.set_pore(l, k, &center[p as usize]);
+            }
         }
     }
     batch.evaluate();
-    std::array::from_fn(|l| {
-        let Some(place) = places.get(l) else { return Throat::CLOSED };
-        batched[l].then(|| batch.throat(l)).flatten().unwrap_or_else(|| {
-            let [p1, p2] = between(place);
+    for (l, (place, out)) in places.iter().zip(&mut out).enumerate() {
+        let facet = place.facet(cells);
+        if frame.are_spheres(&facet) && !batch.reaches(l) {
+            batch.throat(l, out);
+        } else {
+            let [i, j] = place.pores;
             // A facet of three walls lies on the hull and separates no pores.
-            throat(frame, friction, facet(place), p1, p2).unwrap_or(Throat::CLOSED)
-        })
-    })
-}
-
-fn sphere(frame: &Frame, vertex: u32) -> Option<(Vec3, f64)> {
-    match frame.vertex(vertex) {
-        Vertex::Sphere { x, r } => Some((x, r)),
-        Vertex::Wall(_) => None,
+            *out = throat(frame, friction, facet, center[i as usize], center[j as usize])
+                .unwrap_or(Throat::CLOSED);
+        }
     }
+    out
 }
 
 fn conductances(throats: &[Throat], fluid: &Fluid) -> Vec<f64> {
@@ -353,10 +354,8 @@ pub(super) fn push_of(
     let mut push = [Vec3::zeros(); 4];
     for &number in throat_of.iter().filter(|&&number| number != NONE) {
         let (place, throat) = (&places[number as usize], &throats[number as usize]);
-        let first = place.pores[0] as usize;
-        let sign = if first == i { 1.0 } else { -1.0 };
-        for (&k, force) in FACETS[place.facet as usize].iter().zip(throat.push) {
-            let vertex = t.cells[first][k];
+        let sign = if place.pores[0] as usize == i { 1.0 } else { -1.0 };
+        for (vertex, force) in place.facet(&t.cells).into_iter().zip(&throat.push) {
             push[place_of(vertex, t.cells[i])] += sign * force;
         }
     }

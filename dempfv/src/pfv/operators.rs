@@ -88,20 +88,29 @@ impl Operators {
                 pore_of.push(i as u32);
             }
         }
-        check_reach(network, &imposed_by)?;
-        let matrix = assemble(network, &unknown_of, &pore_of);
+        // The first part is serial: the others keep the other threads busy.
+        let (reach, (matrix, (outlets, forces))) = rayon::join(
+            || check_reach(network, &imposed_by),
+            || {
+                let assemble = || assemble(network, &unknown_of, &pore_of);
+                let outlets = || Outlets::new(network, &imposed_by);
+                let forces = || Forces::new(&network.tessellation, &derivatives.push);
+                rayon::join(assemble, || rayon::join(outlets, forces))
+            },
+        );
+        reach?;
         Ok(Operators {
             matrix,
             pore_of,
             unknown_of,
-            outlets: Outlets::new(network, &imposed_by),
+            outlets,
             imposed_by,
             boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
                 gradient: derivatives.volume_gradient,
             },
-            forces: Forces::new(&network.tessellation, &derivatives.push),
+            forces,
         })
     }
 
@@ -212,16 +221,17 @@ impl Forces {
             start[row + 1] += start[row];
         }
         let mut next = start.clone();
-        let mut pore = vec![0; cells.len() * 4];
-        let mut push = vec![Vec3::zeros(); cells.len() * 4];
-        for (i, (cell, forces)) in cells.iter().zip(push_of).enumerate() {
-            for (&v, &f) in cell.iter().zip(forces) {
+        let (mut pore, mut corner) = (vec![0; cells.len() * 4], vec![0u8; cells.len() * 4]);
+        for (i, cell) in cells.iter().enumerate() {
+            for (k, &v) in cell.iter().enumerate() {
                 let at = next[v as usize] as usize;
                 next[v as usize] += 1;
                 pore[at] = i as u32;
-                push[at] = f;
+                corner[at] = k as u8;
             }
         }
+        let entries = (&pore, &corner).into_par_iter();
+        let push = entries.map(|(&i, &k)| push_of[i as usize][k as usize]).collect();
         Forces { pores: Incidence { start, pore }, push }
     }
 
@@ -282,25 +292,59 @@ fn check_reach(network: &Network, imposed_by: &[u8]) -> Result<(), PfvError> {
 }
 
 fn assemble(network: &Network, unknown_of: &[u32], pore_of: &[u32]) -> SymmetricCsc {
-    let columns: Vec<Column> = pore_of
-        .par_iter()
-        .enumerate()
-        .map(|(u, &i)| Column::new(network, unknown_of, u as u32, i as usize))
-        .collect();
-    let mut col_ptr = Vec::with_capacity(columns.len() + 1);
-    let entries: usize = columns.iter().map(|c| c.count + 1).sum();
-    let (mut row_idx, mut values) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
-    for (u, column) in columns.iter().enumerate() {
-        col_ptr.push(row_idx.len() as i64);
-        row_idx.push(u as i64);
-        values.push(column.diagonal);
-        for &(row, g) in &column.below[..column.count] {
-            row_idx.push(i64::from(row));
-            values.push(-g);
-        }
+    let column = |u: usize| Column::new(network, unknown_of, u as u32, pore_of[u] as usize);
+    let unknowns = pore_of.len();
+    let counts = (0..unknowns).into_par_iter().map(|u| 1 + below(network, unknown_of, pore_of, u));
+    let mut col_ptr: Vec<i64> = counts.collect();
+    let mut entries = 0;
+    for count in &mut col_ptr {
+        entries += std::mem::replace(count, entries);
     }
-    col_ptr.push(row_idx.len() as i64);
-    SymmetricCsc { n: columns.len(), col_ptr, row_idx, values }
+    col_ptr.push(entries);
+    let (mut row_idx, mut values) = (vec![0; entries as usize], vec![0.0; entries as usize]);
+    let start = |u: usize| col_ptr[u] as usize;
+    (runs(&mut row_idx, unknowns, start), runs(&mut values, unknowns, start))
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(task, (row_idx, values))| {
+            let mut at = 0;
+            for u in task * TASK..unknowns.min((task + 1) * TASK) {
+                let column = column(u);
+                row_idx[at] = u as i64;
+                values[at] = column.diagonal;
+                for &(row, g) in &column.below[..column.count] {
+                    at += 1;
+                    row_idx[at] = i64::from(row);
+                    values[at] = -g;
+                }
+                at += 1;
+            }
+        });
+    SymmetricCsc { n: unknowns, col_ptr, row_idx, values }
+}
+
+/// Cuts what belongs to rows, which start where `start` says, into what
+/// belongs to each [`TASK`] of them.
+pub(super) fn runs<T>(
+    mut rest: &mut [T],
+    rows: usize,
+    start: impl Fn(usize) -> usize,
+) -> Vec<&mut [T]> {
+    let mut runs = Vec::with_capacity(rows / TASK + 1);
+    for first in (0..rows).step_by(TASK) {
+        let end = start(rows.min(first + TASK));
+        let (run, after) = rest.split_at_mut(end - start(first));
+        runs.push(run);
+        rest = after;
+    }
+    runs
+}
+
+/// How many entries of a column lie below the diagonal.
+fn below(network: &Network, unknown_of: &[u32], pore_of: &[u32], u: usize) -> i64 {
+    let around = network.tessellation.neighbors[pore_of[u] as usize];
+    let unknowns = around.into_iter().filter(|&j| j != NONE).map(|j| unknown_of[j as usize]);
+    unknowns.filter(|&row| row != NONE && row > u as u32).count() as i64
 }
 
 /// One column of `G`: at most four neighbours.

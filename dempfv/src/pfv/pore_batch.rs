@@ -31,13 +31,12 @@ impl PoreBatch {
         }
     }
 
-    /// Sets one pore: four spheres (centre and radius, m), positively oriented.
+    /// Sets sphere `k` of one pore (centre and radius, m); its four spheres are
+    /// positively oriented.
     #[inline(always)]
-    pub fn set(&mut self, l: usize, spheres: [(Vec3, f64); 4]) {
-        for (k, (x, r)) in spheres.into_iter().enumerate() {
-            put(&mut self.x[k], l, x.into());
-            self.r[k][l] = r;
-        }
+    pub fn set(&mut self, l: usize, k: usize, x: &Vec3, r: f64) {
+        put(&mut self.x[k], l, x);
+        self.r[k][l] = r;
     }
 
     /// Evaluates all pores.
@@ -49,9 +48,14 @@ impl PoreBatch {
     #[inline(always)]
     pub fn pore(&self, l: usize) -> Pore {
         Pore {
-            center: get(&self.center, l).into(),
+            center: get(&self.center, l),
             volume: self.volume[l],
-            gradient: [0, 1, 2, 3].map(|k| get(&self.gradient[k], l).into()),
+            gradient: [
+                get(&self.gradient[0], l),
+                get(&self.gradient[1], l),
+                get(&self.gradient[2], l),
+                get(&self.gradient[3], l),
+            ],
         }
     }
 }

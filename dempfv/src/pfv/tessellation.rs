@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::error::{PfvError, PoreVertex, PoreVertices};
 use super::frame::Frame;
+use super::slabs;
 use crate::WallId;
 
 /// In neighbour lists: nothing lies there.
@@ -37,7 +38,7 @@ impl Tessellation {
         if spheres == 0 {
             return Err(PfvError::NoSpheres);
         }
-        let raw = cgal_sys::triangulate(&weighted_points(frame))
+        let raw = slabs::triangulate(&weighted_points(frame), spheres, frame.size)
             .map_err(|e| PfvError::Triangulation { spheres, reason: e.to_string() })?;
         let order = spatial_order(&raw.cells, frame);
         let mut rank = vec![0u32; order.len()];
@@ -93,7 +94,10 @@ fn spatial_order(cells: &[[u32; 4]], frame: &Frame) -> Vec<u32> {
             (key, c)
         })
         .collect();
-    keyed.par_sort_unstable();
+    // Cells of one centroid, at walls, in the order of their vertices.
+    let vertices = |c: u32| cells[c as usize];
+    keyed
+        .par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| vertices(a.1).cmp(&vertices(b.1))));
     keyed.into_iter().map(|(_, c)| c).collect()
 }
 

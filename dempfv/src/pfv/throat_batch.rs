@@ -46,32 +46,36 @@ impl ThroatBatch {
         }
     }
 
-    /// Sets one throat: three spheres (centre and radius, m) that turn
-    /// counterclockwise seen from outside the first pore, and the centres `p`
-    /// of both pores.
+    /// Sets sphere `k` of one throat (centre and radius, m); its three spheres
+    /// turn counterclockwise seen from outside the first pore.
     #[inline(always)]
-    pub fn set(&mut self, l: usize, spheres: [(Vec3, f64); 3], p: [Vec3; 2]) {
-        for (k, (x, r)) in spheres.into_iter().enumerate() {
-            put(&mut self.x[k], l, x.into());
-            self.r[k][l] = r;
-        }
-        for (lanes, p) in self.p.iter_mut().zip(p) {
-            put(lanes, l, p.into());
-        }
+    pub fn set_sphere(&mut self, l: usize, k: usize, x: &Vec3, r: f64) {
+        put(&mut self.x[k], l, x);
+        self.r[k][l] = r;
     }
 
-    /// The result for one throat; `None` where a sphere reaches past the
-    /// opposite edge.
+    /// Sets the centre of pore `k` of one throat (m).
     #[inline(always)]
-    pub fn throat(&self, l: usize) -> Option<Throat> {
-        (self.reaches[l] == 0.0).then(|| Throat {
-            fluid_area: self.fluid_area[l],
-            fluid_volume: self.fluid_volume[l],
-            solid_area: self.solid_area[l],
-            hydraulic_radius: self.hydraulic_radius[l],
-            length: self.length[l],
-            push: [0, 1, 2].map(|k| get(&self.push[k], l).into()),
-        })
+    pub fn set_pore(&mut self, l: usize, k: usize, center: &Vec3) {
+        put(&mut self.p[k], l, center);
+    }
+
+    /// Whether a sphere reaches past the opposite edge, so that there is no
+    /// result for this throat.
+    #[inline(always)]
+    pub fn reaches(&self, l: usize) -> bool {
+        self.reaches[l] != 0.0
+    }
+
+    /// Writes the result for one throat.
+    #[inline(always)]
+    pub fn throat(&self, l: usize, out: &mut Throat) {
+        out.fluid_area = self.fluid_area[l];
+        out.fluid_volume = self.fluid_volume[l];
+        out.solid_area = self.solid_area[l];
+        out.hydraulic_radius = self.hydraulic_radius[l];
+        out.length = self.length[l];
+        out.push = [get(&self.push[0], l), get(&self.push[1], l), get(&self.push[2], l)];
     }
 
     /// Evaluates all throats.
@@ -189,4 +193,59 @@ fn half_angle<S: Simd>(a: Lanes3<S>, u: Lanes3<S>, v: Lanes3<S>) -> (Lanes<S>, L
     let (na, nu, nv) = (norm(a), norm(u), norm(v));
     let below = na * nu * nv + dot(a, u) * nv + dot(a, v) * nu + dot(u, v) * na;
     (below, dot(a, cross(u, v)).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::frame::Frame;
+    use super::super::throat::{WallFriction, throat};
+    use super::*;
+
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    /// Spheres anywhere in a unit box, pore centres on both sides of the facet
+    /// and on one: each lane has the size and the forces of the same throat
+    /// alone, to round-off in units of the box.
+    #[test]
+    fn lanes_are_single_throats() {
+        let mut state = 3;
+        let mut evaluated = 0;
+        for _ in 0..500 {
+            let mut batch = ThroatBatch::new();
+            let mut single = Vec::new();
+            for l in 0..LANES {
+                let mut point = || Vec3::from_fn(|_, _| random(&mut state));
+                let (x, p) = ([point(), point(), point()], [point(), point()]);
+                let r = [0; 3].map(|_| 0.15 + 0.2 * random(&mut state));
+                for k in 0..3 {
+                    batch.set_sphere(l, k, &x[k], r[k]);
+                }
+                batch.set_pore(l, 0, &p[0]);
+                batch.set_pore(l, 1, &p[1]);
+                let frame = Frame { x: x.to_vec(), r: &r, size: Vec3::repeat(1.0) };
+                let friction = WallFriction { slip: true, open: [false; 6] };
+                single.push(throat(&frame, friction, [0, 1, 2], p[0], p[1]).unwrap());
+            }
+            batch.evaluate();
+            for (l, single) in single.iter().enumerate().filter(|(l, _)| !batch.reaches(*l)) {
+                let mut lane = Throat::CLOSED;
+                batch.throat(l, &mut lane);
+                let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
+                near(lane.fluid_area, single.fluid_area);
+                near(lane.fluid_volume, single.fluid_volume);
+                near(lane.solid_area, single.solid_area);
+                near(lane.length, single.length);
+                let radius = single.hydraulic_radius;
+                assert!((lane.hydraulic_radius - radius).abs() < 1e-12 * radius.abs().max(1.0));
+                for k in 0..3 {
+                    near((lane.push[k] - single.push[k]).norm(), 0.0);
+                }
+                evaluated += 1;
+            }
+        }
+        assert!(evaluated > 2_000, "{evaluated} throats");
+    }
 }
