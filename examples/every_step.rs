@@ -119,10 +119,7 @@ fn section(packing: &str, spheres: &str, folder: &Path) -> Result<String, Box<dy
         x.push(*ms);
         y.push(mean);
     }
-    atomic::write(
-        &folder.join(format!("every-step/points-{spheres}.csv")),
-        points.as_bytes(),
-    )?;
+    atomic::write(&folder.join(format!("every-step/points-{spheres}.csv")), points.as_bytes())?;
     picture(&curves, spheres, folder)?;
     let worst = runs.iter().map(|r| r.largest_estimate).fold(0.0, f64::max);
     writeln!(text, "\nNo solve's estimated error of the pressures was above {worst:.1e}.\n")?;

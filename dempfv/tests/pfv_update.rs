@@ -170,7 +170,8 @@ fn the_stated_error_is_not_below_the_true_one() {
             let squares = |f: &dyn Fn(usize) -> f64| -> f64 {
                 (0..exact.len()).map(|u| f(u) * f(u)).sum::<f64>().sqrt()
             };
-            let solution: Vec<f64> = flow.operators.pore_of.iter().map(|&i| flow.pressure()[i as usize]).collect();
+            let solution: Vec<f64> =
+                flow.operators.pore_of.iter().map(|&i| flow.pressure()[i as usize]).collect();
             let error = squares(&|u| solution[u] - exact[u]) / squares(&|u| exact[u] - 2.5);
             assert!(error <= went.error, "{by:e}, {tolerance:e}: {error:e}, {went:?}");
         }
