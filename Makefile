@@ -32,8 +32,8 @@ WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
-	compare compare-test compare-yade yade-test paper cuda cuda-test bundle bench install-packages install-test-packages install-yade \
-	install-memcheck-packages install-peers
+	compare compare-test compare-yade yade-test paper every-step cuda cuda-test bundle bench install-packages \
+	install-test-packages install-yade install-memcheck-packages install-peers
 
 help: ## List these commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-14s %s\n", $$1, $$2}'
@@ -110,6 +110,12 @@ paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md
 	cp $(PAPER)/paper/*.png $(PAPER)/paper/*.csv docs/paper/
 	cp $(PAPER)/paper.md docs/paper.md
 	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
+
+every-step: build ## Measure what following the spheres at every step costs and gains; writes docs/every-step.md (half an hour)
+	cargo run --release --locked --example every_step -- out
+	mkdir -p docs/every-step
+	cp out/every-step/*.png out/every-step/*.csv docs/every-step/
+	cp out/every-step.md docs/every-step.md
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda

@@ -23,7 +23,7 @@ use super::setup::with_users_numbers;
 use super::stability::FastestMode;
 use super::wet::Wet;
 use crate::dem::Dem;
-use crate::pfv::{Course, Carried, Flow, Spare};
+use crate::pfv::{Carried, Course, Flow, Spare};
 use crate::scene::{Acceleration, OnFailure, RemeshMode, Swap};
 use crate::{Error, Result};
 

@@ -270,8 +270,7 @@ impl Flow {
 
     /// One solve for the change of the pressures.
     fn correct_pressure(&mut self) -> Result<()> {
-        let Flow { network, operators, course, correction, pressure, volume_rate, rhs, .. } =
-            self;
+        let Flow { network, operators, course, correction, pressure, volume_rate, rhs, .. } = self;
         let Some(factor) = &mut self.factor else { return Ok(()) };
         operators.surplus(network, pressure, volume_rate, rhs);
         if self.residual.is_none() {

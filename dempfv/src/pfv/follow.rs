@@ -218,7 +218,8 @@ impl Follower {
     fn find_weakened(&mut self, network: &Network, operators: &Operators) {
         let Follower { conductance, diagonal: built, weakened, .. } = self;
         weakened.clear();
-        for (k, (&now, &then)) in network.throats.conductance.iter().zip(&*conductance).enumerate() {
+        for (k, (&now, &then)) in network.throats.conductance.iter().zip(&*conductance).enumerate()
+        {
             if now > WEAK * then {
                 continue;
             }
@@ -227,7 +228,8 @@ impl Follower {
             let free = |e: usize| unknowns[e] != NONE;
             // Beside the throat, each pore leads on through its others; an
             // imposed pressure leads on without resistance.
-            let other = |e: usize| if free(e) { 1.0 / (built[pores[e]] - then).max(0.0) } else { 0.0 };
+            let other =
+                |e: usize| if free(e) { 1.0 / (built[pores[e]] - then).max(0.0) } else { 0.0 };
             let around = 1.0 / (other(0) + other(1));
             if (free(0) || free(1)) && now + around < WEAK * (then + around) {
                 let own = |e: usize| if free(e) { diagonal(network, pores[e]) } else { 0.0 };

@@ -97,7 +97,8 @@ impl Flow {
             alpha = fall / curvature;
             gradients.go(alpha, solution, rhs);
             let step = gradients.dot(correction, correction).sqrt();
-            let ratio = if went.applications == 1 { SLOWEST } else { f64::min(step / last, SLOWEST) };
+            let ratio =
+                if went.applications == 1 { SLOWEST } else { f64::min(step / last, SLOWEST) };
             let missing = step * f64::max(LEAST, ratio / (1.0 - ratio));
             went.error = missing / gradients.distance(solution, level);
             last = step;

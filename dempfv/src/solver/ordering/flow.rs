@@ -265,7 +265,7 @@ impl Flow {
         between.sort_unstable_by(|&v, &w| ahead(v).total_cmp(&ahead(w)).then(v.cmp(&w)));
         for &v in &between {
             let more = self.follow(v);
-            if size + more > half && size + more - half > half - size {
+            if size + more > half && size + more - half > half.saturating_sub(size) {
                 // Further from half than before: not that step.
                 for &node in &self.queue {
                     self.reached[node as usize] = false;
