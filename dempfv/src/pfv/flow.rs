@@ -1,6 +1,6 @@
 //! The flow through one network: operators, factor and the current pressures.
 
-use super::build::{Assembled, BuildTimes, Spare};
+use super::build::{self, Assembled, BuildTimes, Spare};
 use super::carry::Carried;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
@@ -146,9 +146,10 @@ impl Flow {
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
     pub fn retire(self) -> (Carried, Option<Spare>) {
+        let places = build::places(&self.network, &self.operators);
         let (around, matrix) = self.operators.retire();
         let carried = Carried::new(self.network, around, self.pressure);
-        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix)))
+        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix, places)))
     }
 
     /// Takes the pressures of the network that this one replaces: as the
