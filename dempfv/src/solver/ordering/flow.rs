@@ -266,6 +266,9 @@ impl Flow {
         }));
         between.sort_unstable_by(|&v, &w| ahead(v).total_cmp(&ahead(w)).then(v.cmp(&w)));
         for &v in &between {
+            if size >= half {
+                break;
+            }
             let more = self.follow(v);
             if size + more > half && size + more - half > half - size {
                 // Further from half than before: not that step.
