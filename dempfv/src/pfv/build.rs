@@ -34,24 +34,39 @@ impl std::ops::AddAssign for BuildTimes {
     }
 }
 
-/// A factor that is no longer needed, with the pattern that was analyzed for
-/// it: a matrix of the same pattern needs no other analysis, and takes its
-/// memory over.
+/// A factor that is no longer needed, with the pattern and the places of the
+/// unknowns that were analyzed for it: a matrix of the same needs no other
+/// analysis, and takes its memory over. Places count because solvers may order by
+/// them, and then the bits must not depend on which networks were there before.
 pub struct Spare {
     factor: Box<dyn Factor>,
     solver: SolverKind,
     col_ptr: Vec<i64>,
     row_idx: Vec<i64>,
+    places: Vec<[f64; 3]>,
 }
 
 impl Spare {
-    pub(super) fn new(factor: Box<dyn Factor>, solver: SolverKind, matrix: SymmetricCsc) -> Spare {
-        Spare { factor, solver, col_ptr: matrix.col_ptr, row_idx: matrix.row_idx }
+    pub(super) fn new(
+        factor: Box<dyn Factor>,
+        solver: SolverKind,
+        matrix: SymmetricCsc,
+        places: Vec<[f64; 3]>,
+    ) -> Spare {
+        Spare { factor, solver, col_ptr: matrix.col_ptr, row_idx: matrix.row_idx, places }
     }
 
-    fn serves(&self, solver: SolverKind, matrix: &SymmetricCsc) -> bool {
-        self.solver == solver && self.col_ptr == matrix.col_ptr && self.row_idx == matrix.row_idx
+    fn serves(&self, solver: SolverKind, matrix: &SymmetricCsc, places: &[[f64; 3]]) -> bool {
+        self.solver == solver
+            && self.places == places
+            && self.col_ptr == matrix.col_ptr
+            && self.row_idx == matrix.row_idx
     }
+}
+
+/// Where the unknowns of the matrix lie (m).
+pub(super) fn places(network: &Network, operators: &Operators) -> Vec<[f64; 3]> {
+    operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect()
 }
 
 /// First phase: a network and its operators. What only served to make them
@@ -95,7 +110,7 @@ impl Assembled {
     }
 
     /// Orders and analyzes the matrix, or takes the analysis of the spare
-    /// factor if the pattern is its own. A spare of another pattern is dropped
+    /// factor if pattern and places are its own. A spare of others is dropped
     /// first: its memory is needed.
     ///
     /// # Errors
@@ -103,16 +118,12 @@ impl Assembled {
     pub fn analyze(mut self, solver: SolverKind, spare: Option<Spare>) -> Result<Analyzed> {
         let matrix = &self.operators.matrix;
         let start = Instant::now();
-        let spare = spare.filter(|spare| spare.serves(solver, matrix));
+        let places = places(&self.network, &self.operators);
+        let spare = spare.filter(|spare| spare.serves(solver, matrix, &places));
         let analysis = match spare {
             _ if matrix.n == 0 => Analysis::Nothing,
             Some(spare) => Analysis::Reused(spare.factor),
-            None => {
-                let center = &self.network.center;
-                let places: Vec<[f64; 3]> =
-                    self.operators.pore_of.iter().map(|&i| center[i as usize].into()).collect();
-                Analysis::Fresh(solver.backend().analyze(matrix, Some(&places))?)
-            }
+            None => Analysis::Fresh(solver.backend().analyze(matrix, Some(&places))?),
         };
         self.times.analyze = start.elapsed();
         Ok(Analyzed { assembled: self, solver, analysis })

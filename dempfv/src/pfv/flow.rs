@@ -1,6 +1,6 @@
 //! The flow through one network: operators, factor and the current pressures.
 
-use super::build::{Assembled, BuildTimes, Spare};
+use super::build::{self, Assembled, BuildTimes, Spare};
 use super::carry::Carried;
 use super::course::Course;
 use super::follow::Follower;
@@ -160,9 +160,10 @@ impl Flow {
             // After a restart, these are all that is known.
             self.network.center = follower.built_center();
         }
+        let places = build::places(&self.network, &self.operators);
         let (around, matrix) = self.operators.retire();
         let carried = Carried::new(self.network, around, self.pressure);
-        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix)))
+        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix, places)))
     }
 
     /// Takes the pressures of the network that this one replaces: as the

@@ -22,7 +22,7 @@ pub(super) struct Range {
 pub(super) fn axis(points: &[[f32; 3]], vertices: &[u32]) -> Option<(usize, Range)> {
     let mut best = None;
     let mut longest = 0.0;
-    for axis in 0..3 {
+    for axis in [0, 1, 2] {
         let (sample, count) = sample(vertices.len(), |k| points[vertices[k] as usize][axis]);
         let length = sample[count - 1 - count / 16] - sample[count / 16];
         if length > longest {

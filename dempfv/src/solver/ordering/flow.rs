@@ -92,55 +92,57 @@ impl Flow {
     /// Finds the distances to the sink, where an arc within a vertex has no length.
     /// False when no more path may begin: the flow is maximal.
     fn measure(&mut self) -> bool {
-        self.distance.clear();
-        self.distance.resize(2 * self.len(), NONE);
-        self.queue.clear();
-        for k in 0..self.last.len() {
-            self.reach(2 * self.last[k] + 1, 0);
+        let Flow { start, adjacent, last, at_source, before, after, distance, queue, .. } = self;
+        distance.clear();
+        distance.resize(2 * before.len(), NONE);
+        // Room for every node, and for one that is known already.
+        queue.clear();
+        queue.resize(distance.len() + 1, 0);
+        let mut tail = 0;
+        // Without a branch, which could not be foretold.
+        let mut reach = |distance: &mut [u32], queue: &mut [u32], node: u32, far: u32| {
+            let known = &mut distance[node as usize];
+            queue[tail] = node;
+            tail += usize::from(*known == NONE);
+            *known = far.min(*known);
+            tail
+        };
+        let mut end = 0;
+        for &v in last.iter() {
+            end = reach(distance, queue, 2 * v + 1, 0);
         }
         let mut open = false;
         let mut head = 0;
-        while head < self.queue.len() {
-            let node = self.queue[head];
+        while head < end {
+            let node = queue[head];
             head += 1;
-            let distance = self.distance[node as usize];
+            let far = distance[node as usize];
             let v = (node / 2) as usize;
             let entry = 2 * v;
+            let next = after[v];
             if node as usize == entry {
                 // Of a path. The way back to its entry begins at its exit.
-                if self.distance[entry + 1] == NONE {
-                    self.distance[entry + 1] = distance;
-                    self.reach_after(v, distance + 1);
+                if distance[entry + 1] == NONE {
+                    distance[entry + 1] = far;
+                    if next != END {
+                        end = reach(distance, queue, 2 * next, far + 1);
+                    }
                 }
-            } else if self.after[v] == NONE {
-                self.distance[entry] = distance;
+            } else if next == NONE {
+                distance[entry] = far;
             } else {
-                self.reach_after(v, distance + 1);
+                // To the exit of a vertex of a path leads the entry of the next.
+                if next != END {
+                    end = reach(distance, queue, 2 * next, far + 1);
+                }
                 continue;
             }
-            if self.at_source[v] && self.before[v] != END {
-                open = true;
-            }
-            for k in self.start[v]..self.start[v + 1] {
-                self.reach(2 * self.adjacent[k as usize] + 1, distance + 1);
+            open |= at_source[v] && before[v] != END;
+            for &w in &adjacent[start[v] as usize..start[v + 1] as usize] {
+                end = reach(distance, queue, 2 * w + 1, far + 1);
             }
         }
         open
-    }
-
-    /// To the exit of a vertex of a path leads the entry of the next.
-    fn reach_after(&mut self, v: usize, distance: u32) {
-        if self.after[v] != END {
-            self.reach(2 * self.after[v], distance);
-        }
-    }
-
-    fn reach(&mut self, node: u32, distance: u32) {
-        let known = &mut self.distance[node as usize];
-        if *known == NONE {
-            *known = distance;
-            self.queue.push(node);
-        }
     }
 
     /// Adds paths that never go away from the sink until none is left.
@@ -184,7 +186,7 @@ impl Flow {
     /// The next node on the way to the sink from a node at a distance.
     fn onward(&mut self, node: u32, distance: u32) -> Option<u32> {
         let v = (node / 2) as usize;
-        if node % 2 == 0 {
+        if node.is_multiple_of(2) {
             let (next, length) = match self.before[v] {
                 NONE => (node + 1, 0),
                 END => return None,
@@ -264,6 +266,9 @@ impl Flow {
         }));
         between.sort_unstable_by(|&v, &w| ahead(v).total_cmp(&ahead(w)).then(v.cmp(&w)));
         for &v in &between {
+            if size >= half {
+                break;
+            }
             let more = self.follow(v);
             if size + more > half && size + more - half > half.saturating_sub(size) {
                 // Further from half than before: not that step.
@@ -288,7 +293,7 @@ impl Flow {
             let node = self.queue[head];
             head += 1;
             let v = (node / 2) as usize;
-            if node % 2 == 0 {
+            if node.is_multiple_of(2) {
                 match self.before[v] {
                     NONE => self.pass(node + 1),
                     END => {}

@@ -18,10 +18,10 @@ impl Grid {
     pub(super) fn new(points: &[[f32; 3]], labels: &[u32]) -> Grid {
         let (mut low, mut high) = ([f32::MAX; 3], [f32::MIN; 3]);
         for p in points {
-            for k in 0..3 {
-                if p[k].is_finite() {
-                    low[k] = low[k].min(p[k]);
-                    high[k] = high[k].max(p[k]);
+            for (&x, (low, high)) in p.iter().zip(low.iter_mut().zip(&mut high)) {
+                if x.is_finite() {
+                    *low = low.min(x);
+                    *high = high.max(x);
                 }
             }
         }
@@ -48,11 +48,9 @@ impl Grid {
         let sides = length.map(|l| l.max(longest * 1e-3));
         let volume: f64 = sides.iter().map(|l| l / longest).product();
         let per_length = (points as f64 / volume).cbrt() / longest;
-        for k in 0..3 {
-            let cells = (sides[k] * per_length).ceil().clamp(1.0, 4096.0);
-            self.cells[k] = cells as u32;
-            self.scale[k] = (cells / sides[k]) as f32;
-        }
+        let cells = sides.map(|side| (side * per_length).ceil().clamp(1.0, 4096.0));
+        self.cells = cells.map(|cells| cells as u32);
+        self.scale = [0, 1, 2].map(|k| (cells[k] / sides[k]) as f32);
     }
 
     fn sort(&mut self, points: &[[f32; 3]], labels: &[u32]) {

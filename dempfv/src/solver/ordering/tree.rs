@@ -40,9 +40,9 @@ impl Tree {
         let first: Vec<u32> =
             sizes.iter().enumerate().map(|(k, size)| k as u32 - size.below).collect();
         let mut parent: Vec<u32> = (0..sizes.len() as u32).collect();
-        for k in 0..sizes.len() {
+        for (k, size) in sizes.iter().enumerate() {
             // The right side ends just before its separator, the left before the right.
-            if sizes[k].below > 0 {
+            if size.below > 0 {
                 let right = k - 1;
                 let left = first[right] as usize - 1;
                 parent[left] = k as u32;
