@@ -192,3 +192,57 @@ impl Batch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: PairLaw = PairLaw { pair: 2e6, ratio: 0.5, friction: 0.4, dt: 1e-4 };
+
+    /// A full batch of contacts of unit spheres that slide, roll and twist,
+    /// with shear forces near what friction allows, so that some are cut.
+    fn busy() -> Batch {
+        let mut batch = Batch::new();
+        batch.count = LANES;
+        let mut x = 0.0f64;
+        let mut next = || {
+            x += 1.0;
+            (x * x).sin()
+        };
+        batch.radius = [[1.0; LANES]; 2];
+        for l in 0..LANES {
+            let apart = [next(), next(), next()];
+            put(&mut batch.apart, l, scaled(1.99 / dot(apart, apart).sqrt(), apart));
+            put(&mut batch.velocity, l, [next(), next(), next()]);
+            put(&mut batch.shear, l, scaled(5e3, [next(), next(), next()]));
+            put(&mut batch.spin[0], l, [next(), next(), next()]);
+            put(&mut batch.spin[1], l, [next(), next(), next()]);
+        }
+        batch
+    }
+
+    struct Run(Batch);
+
+    impl pulp::NullaryFnOnce for Run {
+        type Output = Vec<u64>;
+
+        #[inline(always)]
+        fn call(mut self) -> Vec<u64> {
+            self.0.evaluate::<true, true>(LAW);
+            let Batch { shear, force, torque: [a, b], .. } = self.0;
+            [shear, force, a, b].iter().flatten().flatten().map(|x| x.to_bits()).collect()
+        }
+    }
+
+    #[test]
+    fn wider_vectors_change_no_bit() {
+        let plain = pulp::NullaryFnOnce::call(Run(busy()));
+        let forces = plain.iter().map(|&bits| f64::from_bits(bits));
+        assert!(forces.clone().all(f64::is_finite) && forces.sum::<f64>() != 0.0);
+        assert_eq!(pulp::Arch::new().dispatch(Run(busy())), plain);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            assert_eq!(simd.vectorize(Run(busy())), plain);
+        }
+    }
+}

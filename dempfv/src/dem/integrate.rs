@@ -16,40 +16,37 @@ pub(super) struct Motion {
     pub gravity: Vec3,
     /// Whether spins change.
     pub rotation: bool,
-    /// How far a sphere may be from its reference, its growth included (m).
-    pub slack: f64,
 }
 
 /// What a step found.
 #[derive(Clone, Copy)]
 struct Found {
-    /// Some sphere has used up the skin.
-    moved: bool,
+    /// Largest square of a velocity (m²/s²), as bits: these sort as the
+    /// numbers do, and vector units have no doubt about them.
+    fastest2: u64,
     /// All positions and spins are finite.
     finite: bool,
 }
 
 /// Advances the spheres by one time step under the contact forces and, where
 /// given, the fluid's: a = f/m (+ g), v += a Δt, x += v Δt, and the same for
-/// spins. Returns whether some sphere has used up the skin.
+/// spins. Returns the farthest way that a sphere went (m).
 ///
 /// # Errors
 /// [`DemError::NotFinite`] names the first particle that is not finite.
 pub(super) fn advance(
     particles: &mut Particles,
     centre: &mut [[f64; 4]],
-    reference: &[[f64; 4]],
     [force, torque]: [&[Vec3]; 2],
     fluid: Option<&[Vec3]>,
     motion: Motion,
-) -> Result<bool, DemError> {
+) -> Result<f64, DemError> {
     let span = MoveSpan {
         position: &mut particles.position,
         velocity: &mut particles.velocity,
         spin: &mut particles.spin,
         centre,
         mass: &particles.mass,
-        reference,
         force,
         torque,
         fluid: fluid.unwrap_or(&[]),
@@ -57,11 +54,11 @@ pub(super) fn advance(
     let arch = pulp::Arch::new();
     let work = |span: MoveSpan<'_>| arch.dispatch(Advance { span, motion: &motion });
     let found = for_blocks(span, &work, &|a: Found, b: Found| Found {
-        moved: a.moved | b.moved,
+        fastest2: a.fastest2.max(b.fastest2),
         finite: a.finite & b.finite,
     });
     if found.finite {
-        Ok(found.moved)
+        Ok(motion.dt * f64::from_bits(found.fastest2).sqrt())
     } else {
         Err(first_not_finite(particles, [force, torque], fluid))
     }
@@ -74,7 +71,6 @@ struct MoveSpan<'a> {
     spin: &'a mut [Vec3],
     centre: &'a mut [[f64; 4]],
     mass: &'a [f64],
-    reference: &'a [[f64; 4]],
     force: &'a [Vec3],
     torque: &'a [Vec3],
     /// Empty without fluid.
@@ -93,7 +89,6 @@ impl Span for MoveSpan<'_> {
         let spin = cut_mut(self.spin, n);
         let centre = cut_mut(self.centre, n);
         let mass = cut(self.mass, n);
-        let reference = cut(self.reference, n);
         let force = cut(self.force, n);
         let torque = cut(self.torque, n);
         let fluid = cut(self.fluid, n);
@@ -104,7 +99,6 @@ impl Span for MoveSpan<'_> {
                 spin: spin.0,
                 centre: centre.0,
                 mass: mass.0,
-                reference: reference.0,
                 force: force.0,
                 torque: torque.0,
                 fluid: fluid.0,
@@ -115,7 +109,6 @@ impl Span for MoveSpan<'_> {
                 spin: spin.1,
                 centre: centre.1,
                 mass: mass.1,
-                reference: reference.1,
                 force: force.1,
                 torque: torque.1,
                 fluid: fluid.1,
@@ -148,7 +141,7 @@ impl MoveSpan<'_> {
     #[inline(always)]
     fn advance<const ROTATION: bool>(self, motion: &Motion) -> Found {
         let dt = motion.dt;
-        let mut found = Found { moved: false, finite: true };
+        let mut found = Found { fastest2: 0, finite: true };
         for k in 0..self.position.len() {
             let mut force = self.force[k];
             if let Some(fluid) = self.fluid.get(k) {
@@ -158,17 +151,14 @@ impl MoveSpan<'_> {
             let mut a = inverse_mass * force + motion.gravity;
             damp(&mut a, &self.velocity[k], motion);
             let v = self.velocity[k] + dt * a;
-            let x = self.position[k] + dt * v;
+            let [x, y, z, radius] = self.centre[k];
+            let x = Vec3::new(x, y, z) + dt * v;
             self.velocity[k] = v;
             self.position[k] = x;
-
-            let radius = self.centre[k][3];
             self.centre[k] = [x.x, x.y, x.z, radius];
-            let [rx, ry, rz, old_radius] = self.reference[k];
-            let moved2 = (x - Vec3::new(rx, ry, rz)).norm_squared();
-            let allowed = (motion.slack - (radius - old_radius)).max(0.0);
-            found.moved |= moved2 > allowed * allowed;
-            let mut sum = moved2;
+            let speed2 = v.norm_squared();
+            found.fastest2 = found.fastest2.max(speed2.to_bits());
+            let mut sum = speed2 + x.norm_squared();
             if ROTATION {
                 // I = 2/5 m r²
                 let mut a = (2.5 * inverse_mass / (radius * radius)) * self.torque[k];

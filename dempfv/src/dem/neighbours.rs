@@ -17,6 +17,10 @@ use super::state::{DemState, SphereHistory, WallHistory};
 use super::walls::{Wall, box_of};
 use crate::{Vec3, WallId};
 
+/// Share of the skin that must be left for a list to be kept: with less, the
+/// particles would be looked at in nearly every step.
+const LEAST_LEFT: f64 = 0.1;
+
 /// Where the entries of a block start; the next block's start ends them.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Bounds {
@@ -60,11 +64,13 @@ pub(super) struct Neighbours {
     /// For each particle, the results of outer pairs that act on it.
     pub incoming: Vec<u32>,
     /// Centre and radius of each particle when the list was built.
-    pub reference: Vec<[f64; 4]>,
+    reference: Vec<[f64; 4]>,
     /// Positions of the walls when the list was built.
     wall_reference: [f64; 6],
     /// Half the skin (m): how far a particle or a wall may move.
-    pub slack: f64,
+    slack: f64,
+    /// How far any particle may go before one must look again (m).
+    budget: f64,
     grid: Grid,
     parts: Vec<Part>,
 }
@@ -82,10 +88,33 @@ struct Part {
 }
 
 impl Neighbours {
-    /// True when the wall positions have used up the skin.
-    pub fn walls_moved(&self, walls: &[Wall; 6]) -> bool {
+    /// Takes note that no particle has gone farther than `way` (m).
+    pub fn moved(&mut self, way: f64) {
+        self.budget -= way;
+    }
+
+    /// Takes note that particles have grown or shrunk.
+    pub fn resized(&mut self) {
+        self.budget = 0.0;
+    }
+
+    /// True when walls or particles have used up the skin, or nearly. Looks
+    /// at the particles only where the ways noted could have used it up.
+    pub fn outdated(&mut self, centre: &[[f64; 4]], walls: &[Wall; 6]) -> bool {
         let moved = |(w, r): (&Wall, &f64)| (w.position - r).abs() > self.slack;
-        walls.iter().zip(&self.wall_reference).any(moved)
+        if walls.iter().zip(&self.wall_reference).any(moved) {
+            return true;
+        }
+        if self.budget > 0.0 {
+            return false;
+        }
+        let left = centre.iter().zip(&self.reference).fold(self.slack, |left, (c, old)| {
+            let way2: f64 = (0..3).map(|k| (c[k] - old[k]).powi(2)).sum();
+            left.min(self.slack - (c[3] - old[3]) - way2.sqrt())
+        });
+        // Less than all that is left, so that round-off cannot overdraw it.
+        self.budget = 0.99 * left;
+        left < LEAST_LEFT * self.slack
     }
 
     /// Builds the list anew, keeping the history.
@@ -122,6 +151,7 @@ impl Neighbours {
         self.join_parts();
         self.index_incoming(n);
         self.slack = 0.5 * skin;
+        self.budget = 0.99 * self.slack;
         self.reference.clear();
         self.reference.extend(
             particles.position.iter().zip(&particles.radius).map(|(x, &r)| [x.x, x.y, x.z, r]),

@@ -1,8 +1,8 @@
 //! Contact forces: one pass over the blocks evaluates each contact once and
 //! sums up within the block; a second one gathers what crosses blocks.
 
-use super::blocks::{BLOCK, Span, cut_mut, for_blocks};
 use super::batch::Batch;
+use super::blocks::{BLOCK, Span, cut_mut, for_blocks};
 use super::kernel::{Sliding, V, add_scaled, cross, dot, scaled, shear_force};
 use super::material::Law;
 use super::neighbours::{Bounds, Neighbours, WallPair};

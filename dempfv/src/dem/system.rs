@@ -53,8 +53,6 @@ pub struct Dem {
     /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
     /// contacts, and rotational stiffness over r².
     pub(super) stiffness: Vec<[Vec3; 2]>,
-    /// Something has used up the skin.
-    outdated: bool,
 }
 
 impl Dem {
@@ -115,7 +113,6 @@ impl Dem {
             wall_sums: [WallSum::ZERO; 6],
             wall_resistance: [0.0; 6],
             stiffness: vec![],
-            outdated: true,
             particles,
             walls,
             options,
@@ -160,19 +157,18 @@ impl Dem {
         self.forces.sent.clear();
         self.forces.sent.resize(end.sent, [0.0; 6]);
         self.forces.wall_sums.resize(self.list.bounds.len() - 1, [WallSum::ZERO; 6]);
-        self.outdated = false;
         Ok(())
     }
 
     /// Computes the contact forces at the current positions, after building
-    /// the neighbour list anew if something has moved by half its skin. The
+    /// the neighbour list anew if something may have used up its skin. The
     /// shear forces follow the motion of the last step, once.
     ///
     /// # Errors
     /// [`DemError::OutsideBox`] or [`DemError::Coincident`], found when the
     /// list is built.
     pub fn compute_contacts(&mut self) -> Result<(), DemError> {
-        if self.outdated || self.list.walls_moved(&self.walls) {
+        if self.list.outdated(&self.centre, &self.walls) {
             self.rebuild()?;
         }
         let input = Input {
@@ -223,17 +219,15 @@ impl Dem {
             gravity: self.options.gravity.unwrap_or_default(),
             // Without friction nothing turns a sphere.
             rotation: self.options.rotation && self.law.has_friction(),
-            slack: self.list.slack,
         };
-        let moved = advance(
+        let farthest = advance(
             &mut self.particles,
             &mut self.centre,
-            &self.list.reference,
             [&self.forces.force, &self.forces.torque],
             fluid_force,
             motion,
         )?;
-        self.outdated |= moved;
+        self.list.moved(farthest);
         self.pending_dt = dt;
         Ok(())
     }
@@ -376,12 +370,7 @@ impl Dem {
             *m *= mass_factor;
             c[3] = *r;
         }
-        let slack = self.list.slack;
-        self.outdated |= self.centre.iter().zip(&self.list.reference).any(|(c, old)| {
-            let moved2: f64 = (0..3).map(|k| (c[k] - old[k]).powi(2)).sum();
-            let allowed = (slack - (c[3] - old[3])).max(0.0);
-            moved2 > allowed * allowed
-        });
+        self.list.resized();
         Ok(())
     }
 }
