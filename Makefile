@@ -136,7 +136,7 @@ bundle: cuda ## Pack the GPU program with its libraries for another machine: out
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
 bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
-	cargo bench --workspace --locked
+	cargo bench --locked -p dempfv --bench dem --bench coupled
 
 install-packages:
 	@tests/install.sh $(PACKAGES)

@@ -26,6 +26,8 @@ pub struct Case {
     pub unknowns: usize,
     pub entries: usize,
     pub sides: Vec<Side>,
+    /// Solvers that failed, and how.
+    pub failed: Vec<String>,
 }
 
 /// One solver.
@@ -78,7 +80,7 @@ pub fn measure(contest: &Contest, placed: &Placed) -> Result<Case, Error> {
     let file = bench.folder.join("scenes").join(format!("{name}.system"));
     let systemize = Systemize { packing: placed.path.clone(), file: file.clone() };
     let made = || bench.job::<Made>(&name, &Job::Systemize(systemize.clone()), contest.threads);
-    // The file is not kept for ever: it can be made again.
+    // Someone may have removed the file, which is large.
     let made = match file.is_file() {
         true => bench.remembered(&name, &systemize, made)?,
         false => {
@@ -91,10 +93,19 @@ pub fn measure(contest: &Contest, placed: &Placed) -> Result<Case, Error> {
         n if n > MEDIUM => contest.runs.min(2),
         _ => contest.runs,
     };
-    let mut sides: Vec<Side> = Vec::new();
+    let (mut sides, mut failed): (Vec<Side>, Vec<String>) = (vec![], vec![]);
     for run in 0..runs {
         for solver in solvers(contest) {
-            let (solved, errors) = one(contest, &file, made.unknowns, &name, &solver, run)?;
+            let done = one(contest, &file, made.unknowns, &name, &solver, run);
+            // The largest systems may be too large for one or the other.
+            let (solved, errors) = match done {
+                Ok(done) => done,
+                Err(error @ Error::Peer { .. }) => {
+                    failed.push(format!("{}: {error}", solver.title));
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
             match sides.iter_mut().find(|side| side.name == solver.title) {
                 Some(side) => side.add(solved, errors),
                 None => sides.push(Side::new(&solver.title, solved, errors)),
@@ -102,8 +113,8 @@ pub fn measure(contest: &Contest, placed: &Placed) -> Result<Case, Error> {
         }
     }
     let Made { unknowns, entries } = made;
-    let _ = std::fs::remove_file(&file);
-    Ok(Case { spheres: placed.spheres, origin: placed.origin.clone(), unknowns, entries, sides })
+    let (spheres, origin) = (placed.spheres, placed.origin.clone());
+    Ok(Case { spheres, origin, unknowns, entries, sides, failed })
 }
 
 /// A solver that is run, and by which program.

@@ -282,6 +282,9 @@ fn linear(results: &Results) -> String {
             );
         }
         text.push('\n');
+        for failed in &case.failed {
+            text += &format!("**Failed:** {failed}.\n\n");
+        }
         for side in case.sides.iter().filter(|side| side.flops.is_some()) {
             let flops = side.flops.unwrap_or(f64::NAN);
             text += &format!(

@@ -70,6 +70,6 @@ mod tests {
         assert_eq!(Sample(vec![4.0, 1.0, 2.0, 3.0]).median(), 2.5);
         assert!(Sample::default().median().is_nan());
         assert_eq!(Sample(vec![3.0, 1.0]).range(), [1.0, 3.0]);
-        assert_eq!(Sample(vec![0.003, 0.001, 0.002]).show(1e-3), "2.00 (1.00 to 3.00)");
+        assert_eq!(Sample(vec![0.003, 0.001, 0.002]).show(1e-3), "2 (1 to 3)");
     }
 }

@@ -91,8 +91,7 @@ impl Linear {
             Ok(times)
         };
         let mut solve_s = solve()?;
-        // The BLAS may be the faster on one thread here: what there is of one unknown's
-        // work is little.
+        // With one right-hand side the BLAS may be faster on one thread.
         if self.blas_threads.is_some_and(|threads| threads > 1) {
             blas::set_threads(1);
             let alone = Sample(solve()?);
