@@ -31,8 +31,11 @@ pub enum SolverKind {
 
 impl SolverKind {
     /// Every solver.
-    pub const ALL: &'static [SolverKind] =
-        &[SolverKind::Cholmod, SolverKind::Frontal, SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None })];
+    pub const ALL: &'static [SolverKind] = &[
+        SolverKind::Cholmod,
+        SolverKind::Frontal,
+        SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None }),
+    ];
 
     /// The solver's name in scenes and on the command line.
     pub const fn name(self) -> &'static str {

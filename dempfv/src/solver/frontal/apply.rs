@@ -77,7 +77,9 @@ impl Solve<'_> {
     }
 
     fn forward(&self, tasks: &[u32], vectors: &mut [f32], base: usize) {
-        self.over(tasks, vectors, base, &|task, vectors, base| self.forward_task(task, vectors, base));
+        self.over(tasks, vectors, base, &|task, vectors, base| {
+            self.forward_task(task, vectors, base)
+        });
     }
 
     fn forward_task(&self, task: &Task, vectors: &mut [f32], base: usize) {
@@ -129,7 +131,9 @@ impl Solve<'_> {
     }
 
     fn backward(&self, tasks: &[u32], vectors: &mut [f32], base: usize) {
-        self.over(tasks, vectors, base, &|task, vectors, base| self.backward_task(task, vectors, base));
+        self.over(tasks, vectors, base, &|task, vectors, base| {
+            self.backward_task(task, vectors, base)
+        });
     }
 
     fn backward_task(&self, task: &Task, vectors: &mut [f32], base: usize) {
@@ -251,13 +255,7 @@ fn backward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32]
 }
 
 /// x = L₁⁻¹ x, edge = edge - L₂ x for the two parts of a front's columns.
-fn forward_front(
-    shape: Shape,
-    l: &[f32],
-    x: &mut [f32],
-    edge: &mut [f32],
-    shared: bool,
-) {
+fn forward_front(shape: Shape, l: &[f32], x: &mut [f32], edge: &mut [f32], shared: bool) {
     for panel in 0..shape.panels() {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
         let l = &l[shape.panel_start(panel)..];
@@ -283,13 +281,7 @@ fn forward_front(
 }
 
 /// x = L₁⁻ᵀ (x - L₂ᵀ edge) for the two parts of a front's columns.
-fn backward_front(
-    shape: Shape,
-    l: &[f32],
-    x: &mut [f32],
-    edge: &[f32],
-    shared: bool,
-) {
+fn backward_front(shape: Shape, l: &[f32], x: &mut [f32], edge: &[f32], shared: bool) {
     for panel in (0..shape.panels()).rev() {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
         let l = &l[shape.panel_start(panel)..];

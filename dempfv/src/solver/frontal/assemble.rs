@@ -21,7 +21,12 @@ struct Segment {
 
 /// Rows `range` of a child in a parent of the given shape, whose row 0 is row
 /// `base` of the parent's front.
-fn segments(map: &[u32], range: std::ops::Range<usize>, parent: Shape, base: usize) -> Vec<Segment> {
+fn segments(
+    map: &[u32],
+    range: std::ops::Range<usize>,
+    parent: Shape,
+    base: usize,
+) -> Vec<Segment> {
     let source = Shape { width: map.len(), edge: 0 };
     let mut out = vec![];
     let mut from = range.start;

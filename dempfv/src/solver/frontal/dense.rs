@@ -461,11 +461,7 @@ impl pulp::NullaryFnOnce for InvertStrips<'_> {
 ///
 /// # Errors
 /// The column whose pivot is not positive.
-pub fn factor_diagonal(
-    t: &mut [f32],
-    rest: &mut [f32],
-    inverse: &mut [f32],
-) -> Result<(), usize> {
+pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> Result<(), usize> {
     let w = rest.len();
     assert!(t.len() >= w * w && inverse.len() == w);
     for from in (0..w).step_by(STRIP) {

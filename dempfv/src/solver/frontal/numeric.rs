@@ -163,12 +163,11 @@ impl Factorization<'_> {
     }
 }
 
-/// The tiles of a panel below its diagonal: row, number of rows, entries.
-fn tiles_below<'a>(
-    shape: Shape,
-    panel: usize,
-    mut below: &'a mut [f32],
-) -> Vec<(usize, usize, &'a mut [f32])> {
+/// A tile: row, number of rows, entries.
+type Tile<'a> = (usize, usize, &'a mut [f32]);
+
+/// The tiles of a panel below its diagonal.
+fn tiles_below(shape: Shape, panel: usize, mut below: &mut [f32]) -> Vec<Tile<'_>> {
     let width = shape.panel_width(panel);
     shape
         .below(panel)

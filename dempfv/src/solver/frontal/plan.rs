@@ -60,11 +60,8 @@ impl Plan {
         let count = pattern.supernodes();
         // First supernode of each one's subtree.
         let mut lowest: Vec<usize> = (0..count).collect();
-        for s in 0..count {
-            if pattern.parent[s] != NONE {
-                let p = pattern.parent[s] as usize;
-                lowest[p] = lowest[p].min(lowest[s]);
-            }
+        for (s, &parent) in pattern.parent.iter().enumerate().filter(|(_, p)| **p != NONE) {
+            lowest[parent as usize] = lowest[parent as usize].min(lowest[s]);
         }
         let entries = |s: usize| pattern.start[s + 1] - pattern.start[lowest[s]];
         let mut tasks: Vec<Task> = vec![];

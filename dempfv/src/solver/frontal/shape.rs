@@ -77,8 +77,9 @@ impl Shape {
 
     /// The tiles of the edge.
     pub fn edge_tiles(self) -> impl Iterator<Item = Rows> + Clone {
-        (0..self.edge.div_ceil(TILE)).map(move |k| {
-            Rows { start: self.width + k * TILE, len: TILE.min(self.edge - k * TILE) }
+        (0..self.edge.div_ceil(TILE)).map(move |k| Rows {
+            start: self.width + k * TILE,
+            len: TILE.min(self.edge - k * TILE),
         })
     }
 

@@ -54,9 +54,8 @@ impl Supernodes {
     pub fn new(parent: &[u32], counts: &[u32]) -> Supernodes {
         let n = parent.len();
         // Columns of one pattern.
-        let starts = |j: usize| {
-            j == 0 || parent[j - 1] as usize != j || counts[j - 1] != counts[j] + 1
-        };
+        let starts =
+            |j: usize| j == 0 || parent[j - 1] as usize != j || counts[j - 1] != counts[j] + 1;
         let mut first: Vec<usize> = (0..n).filter(|&j| starts(j)).collect();
         first.push(n);
         let count = first.len() - 1;

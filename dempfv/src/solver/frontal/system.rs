@@ -46,7 +46,11 @@ impl System {
             for k in range.start + 1..range.end {
                 if a.values[k] > 0.0 {
                     let row = a.row_idx[k] as usize;
-                    return Err(SolverError::PositiveOffDiagonal { row, column, value: a.values[k] });
+                    return Err(SolverError::PositiveOffDiagonal {
+                        row,
+                        column,
+                        value: a.values[k],
+                    });
                 }
             }
         }
@@ -70,9 +74,8 @@ impl System {
     fn take_pattern(&mut self, a: &SymmetricCsc) {
         let n = a.n;
         let mut start = vec![0u32; n + 1];
-        let entries = |column: usize| {
-            a.col_ptr[column] as usize + 1..a.col_ptr[column + 1] as usize
-        };
+        let entries =
+            |column: usize| a.col_ptr[column] as usize + 1..a.col_ptr[column + 1] as usize;
         for column in 0..n {
             for k in entries(column) {
                 start[column + 1] += 1;
