@@ -69,13 +69,12 @@ impl Plan {
         // Tasks whose parent is still to come.
         let mut open: Vec<u32> = vec![];
         let mut vectors = 0;
-        for s in 0..count {
+        for (s, &below) in lowest.iter().enumerate() {
             let parent = pattern.parent[s];
             let is_small = entries(s) <= small;
             if is_small && parent != NONE && entries(parent as usize) <= small {
                 continue;
             }
-            let below = lowest[s];
             let children = match is_small {
                 true => vec![],
                 false => {
