@@ -264,10 +264,22 @@ pub mod inline {
 
     use super::STRIP;
 
+    /// Columns of more entries are read one after the other: several at once
+    /// are more streams than the processor fetches ahead, and take twice as
+    /// long from memory. Of shorter ones several share the work around them.
+    const LONG: usize = 64;
+
     /// y = y - A x for columns that are `stride` apart.
     #[inline(always)]
     pub fn subtract_times<S: Simd>(simd: S, y: &mut [f32], a: &[f32], stride: usize, x: &[f32]) {
         if y.is_empty() {
+            return;
+        }
+        if y.len() > LONG {
+            for (k, &x) in x.iter().enumerate() {
+                let column = &a[k * stride..k * stride + y.len()];
+                subtract_column(simd, y, column, x);
+            }
             return;
         }
         let eights = x.chunks_exact(8);
@@ -285,6 +297,19 @@ pub mod inline {
         for x in ones {
             subtract_columns::<S, 1>(simd, y, &a[at..], stride, std::slice::from_ref(x));
             at += stride;
+        }
+    }
+
+    #[inline(always)]
+    fn subtract_column<S: Simd>(simd: S, y: &mut [f32], column: &[f32], x: f32) {
+        let (y, y_rest) = S::as_mut_simd_f32s(y);
+        let (a, a_rest) = S::as_simd_f32s(column);
+        let x_of = simd.splat_f32s(x);
+        for (y, &a) in y.iter_mut().zip(a) {
+            *y = simd.negate_mul_add_e_f32s(a, x_of, *y);
+        }
+        for (y, &a) in y_rest.iter_mut().zip(a_rest) {
+            *y -= a * x;
         }
     }
 
@@ -338,6 +363,12 @@ pub mod inline {
         if y.is_empty() {
             return;
         }
+        if y.len() > LONG {
+            for (k, x) in x.iter_mut().enumerate() {
+                *x -= dot(simd, &a[k * stride..k * stride + y.len()], y);
+            }
+            return;
+        }
         let mut at = 0;
         let mut fours = x.chunks_exact_mut(4);
         for x in &mut fours {
@@ -348,6 +379,26 @@ pub mod inline {
             dots::<S, 1>(simd, std::slice::from_mut(x), &a[at..], stride, y);
             at += stride;
         }
+    }
+
+    #[inline(always)]
+    fn dot<S: Simd>(simd: S, a: &[f32], y: &[f32]) -> f32 {
+        let (y, y_rest) = S::as_simd_f32s(y);
+        let (a, a_rest) = S::as_simd_f32s(a);
+        let mut sums = [simd.splat_f32s(0.0); 4];
+        let (y, a) = (y.chunks_exact(4), a.chunks_exact(4));
+        let rest = y.remainder().iter().zip(a.remainder());
+        for (y, a) in y.zip(a) {
+            for k in 0..4 {
+                sums[k] = simd.mul_add_e_f32s(a[k], y[k], sums[k]);
+            }
+        }
+        for ((&y, &a), sum) in rest.zip(&mut sums) {
+            *sum = simd.mul_add_e_f32s(a, y, *sum);
+        }
+        let halves = (simd.add_f32s(sums[0], sums[2]), simd.add_f32s(sums[1], sums[3]));
+        let sum = simd.reduce_sum_f32s(simd.add_f32s(halves.0, halves.1));
+        y_rest.iter().zip(a_rest).fold(sum, |sum, (y, a)| sum + y * a)
     }
 
     #[inline(always)]
