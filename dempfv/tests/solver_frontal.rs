@@ -39,7 +39,8 @@ fn one_correction_has_five_digits_whatever_the_condition_number() {
     }
 }
 
-/// A refined solve is as good as CHOLMOD's in double precision.
+/// A refined solve is as good as CHOLMOD's in double precision, whose own error
+/// is round-off (1e-16) times a condition number of some 1e9.
 #[test]
 fn a_solve_has_the_digits_of_double_precision() {
     for m in [6, 20, 34] {
@@ -51,7 +52,7 @@ fn a_solve_has_the_digits_of_double_precision() {
         let symbolic = SolverKind::Cholmod.backend().analyze(&a, None).unwrap();
         symbolic.factor(&a).unwrap().solve(&b, &mut theirs).unwrap();
         let difference = largest(ours.iter().zip(&theirs).map(|(a, b)| a - b));
-        assert!(difference < 1e-9 * largest(theirs.iter().copied()), "{m}: {difference:e}");
+        assert!(difference < 1e-7 * largest(theirs.iter().copied()), "{m}: {difference:e}");
     }
 }
 

@@ -50,10 +50,10 @@ const NAME: &str = "frontal";
 /// itself.
 const PIVOT_LIMIT: f64 = 1e-14;
 
-/// Most corrections of a solve, and the size of a correction relative to the
-/// solution that ends it.
+/// Most corrections of a solve, and what they may leave at the end, relative to
+/// the solution.
 const CORRECTIONS: usize = 8;
-const SETTLED: f64 = 1e-11;
+const SETTLED: f64 = 1e-17;
 
 /// Largest residual of one correction. A sound factor leaves some 10⁻⁸.
 const CORRECTION_LIMIT: f64 = 1e-5;
@@ -212,18 +212,20 @@ impl Factor for FrontalFactor {
         self.apply(b, x);
         let mut residual = std::mem::take(&mut self.residual);
         let mut correction = std::mem::take(&mut self.correction);
-        let mut last = f64::INFINITY;
+        let (mut last, mut stalled) = (norm(x), 0);
         for _ in 0..CORRECTIONS {
             self.system.residual(b, x, &mut residual);
             self.apply(&residual, &mut correction);
-            let size = correction.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            let whole = x.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            // Corrections that no longer shrink are round-off.
-            if size.is_nan() || size > 0.5 * last {
+            let size = norm(&correction);
+            // One that does not shrink may have been behind the noise of the
+            // one before; two are round-off.
+            stalled = if size > 0.5 * last { stalled + 1 } else { 0 };
+            if size == 0.0 || size.is_nan() || stalled == 2 {
                 break;
             }
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
-            if size <= SETTLED * whole {
+            // The next one would shrink as this one has.
+            if size * (size / last) <= SETTLED * norm(x) {
                 break;
             }
             last = size;
@@ -277,4 +279,9 @@ impl Factor for FrontalFactor {
     fn placement(&self) -> &Placement {
         &Placement::Cpu
     }
+}
+
+/// Largest size of an entry; not a number if any entry is none.
+fn norm(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |norm, v| if v.abs() > norm || v.is_nan() { v.abs() } else { norm })
 }
