@@ -58,7 +58,7 @@ fn a_summary_has_what_was_promised() {
         assert!(number(&s[key]) > 0.0, "{key}");
     }
     assert_eq!((&s["particles"], &s["threads"]), (&120.into(), &2.into()));
-    assert_eq!((&s["solver"], &s["finished"]), (&"frontal".into(), &true.into()));
+    assert_eq!((&s["solver"], &s["finished"]), (&"auto".into(), &true.into()));
     assert!(s["unknowns"].as_u64() < s["pores"].as_u64());
     let versions = s["versions"].as_object().unwrap();
     for key in ["dempfv", "git", "suitesparse", "cholmod", "metis", "cgal", "blas"] {

@@ -179,7 +179,7 @@ pub struct Fluid {
     pub slip_walls: bool,
     /// Bounds on conductances. Default: none.
     pub clamp: Clamp,
-    /// Linear solver. Default: our own multifrontal one.
+    /// Linear solver. Default: by the number of unknowns.
     pub solver: SolverKind,
     /// What a solve may leave: of the imbalance of fluid mass, and of the estimated error of the
     /// pressures (1). Default 1e-11.

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
+use super::{Auto, Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
 
 /// A solver by its name.
 ///
@@ -13,16 +13,19 @@ use super::{Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
 /// use dempfv::solver::SolverKind;
 /// assert_eq!("cholmod".parse(), Ok(SolverKind::Cholmod));
 /// let error = "colmod".parse::<SolverKind>().unwrap_err();
-/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: cholmod, frontal, cholmod-gpu");
+/// assert_eq!(error.to_string(), "unknown solver `colmod`; the solvers are: auto, cholmod, frontal, cholmod-gpu");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SolverKind {
+    /// By the number of unknowns: CHOLMOD below
+    /// [`FRONTAL_FROM`](super::FRONTAL_FROM), else the frontal solver.
+    #[default]
+    Auto,
     /// Supernodal Cholesky factorization by SuiteSparse's CHOLMOD.
     Cholmod,
     /// Multifrontal factorization in single precision without cancellation,
     /// for the matrices of networks, on all threads.
-    #[default]
     Frontal,
     /// CHOLMOD with its largest parts on an NVIDIA GPU, as far as there is one
     /// and this build has the feature `cuda`; else on the CPU.
@@ -30,8 +33,16 @@ pub enum SolverKind {
 }
 
 impl SolverKind {
-    /// Every solver.
+    /// Every solver with code of its own.
     pub const ALL: &'static [SolverKind] = &[
+        SolverKind::Cholmod,
+        SolverKind::Frontal,
+        SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None }),
+    ];
+
+    /// All that can be asked for by name.
+    pub const CHOICES: &'static [SolverKind] = &[
+        SolverKind::Auto,
         SolverKind::Cholmod,
         SolverKind::Frontal,
         SolverKind::CholmodGpu(GpuOptions { device: 0, memory: None }),
@@ -40,6 +51,7 @@ impl SolverKind {
     /// The solver's name in scenes and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
+            SolverKind::Auto => "auto",
             SolverKind::Cholmod => "cholmod",
             SolverKind::Frontal => "frontal",
             SolverKind::CholmodGpu(_) => "cholmod-gpu",
@@ -50,7 +62,7 @@ impl SolverKind {
     /// lacks works too, by falling back on another.
     pub const fn is_built(self) -> bool {
         match self {
-            SolverKind::Cholmod | SolverKind::Frontal => true,
+            SolverKind::Auto | SolverKind::Cholmod | SolverKind::Frontal => true,
             SolverKind::CholmodGpu(_) => cfg!(feature = "cuda"),
         }
     }
@@ -58,6 +70,7 @@ impl SolverKind {
     /// The solver itself.
     pub fn backend(self) -> Box<dyn Backend> {
         match self {
+            SolverKind::Auto => Box::new(Auto),
             SolverKind::Cholmod => Box::new(Cholmod),
             SolverKind::Frontal => Box::new(Frontal),
             SolverKind::CholmodGpu(options) => Box::new(CholmodGpu(options)),
@@ -77,14 +90,14 @@ impl fmt::Display for SolverKind {
 pub struct UnknownSolver(pub String);
 
 fn names() -> String {
-    SolverKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
+    SolverKind::CHOICES.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }
 
 impl FromStr for SolverKind {
     type Err = UnknownSolver;
 
     fn from_str(s: &str) -> Result<Self, Self::Err> {
-        SolverKind::ALL
+        SolverKind::CHOICES
             .iter()
             .copied()
             .find(|kind| kind.name() == s)

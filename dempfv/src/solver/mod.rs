@@ -39,6 +39,7 @@
 //! # }
 //! ```
 
+mod auto;
 pub mod blas;
 mod cholmod;
 mod error;
@@ -49,6 +50,7 @@ mod matrix;
 pub mod ordering;
 mod placement;
 
+pub use auto::{Auto, FRONTAL_FROM};
 pub use cholmod::{Cholmod, CholmodGpu};
 pub use error::SolverError;
 pub use frontal::Frontal;

@@ -231,7 +231,7 @@ fn read_fluid(value: &Value) -> Result<Fluid> {
 }
 
 fn read_solver(fluid: &Table) -> Result<SolverKind> {
-    let solvers: Vec<_> = SolverKind::ALL.iter().map(|s| (s.name(), *s)).collect();
+    let solvers: Vec<_> = SolverKind::CHOICES.iter().map(|s| (s.name(), *s)).collect();
     let mut solver = match fluid.get("solver") {
         Some(v) => v.choice(&solvers)?,
         None => SolverKind::default(),

@@ -260,7 +260,7 @@ const STRIP: usize = 32;
 
 /// The loops themselves, for callers that were dispatched to a vector unit.
 pub mod inline {
-    use pulp::Simd;
+    use pulp::{MemMask, Simd};
 
     use super::STRIP;
 
@@ -313,6 +313,36 @@ pub mod inline {
         }
     }
 
+    /// The first lanes of a vector, where fewer entries than lanes are left.
+    #[derive(Clone, Copy)]
+    struct Tail<S: Simd> {
+        mask: MemMask<S::m32s>,
+        len: usize,
+    }
+
+    impl<S: Simd> Tail<S> {
+        #[inline(always)]
+        fn new(simd: S, len: usize) -> Tail<S> {
+            // Without the mask's own functions, which are called and not inlined.
+            Tail { mask: MemMask::new(simd.mask_between_m32s(0, len as u32).mask()), len }
+        }
+
+        /// The entries, and zeros.
+        #[inline(always)]
+        fn load(self, simd: S, x: &[f32]) -> S::f32s {
+            let x = &x[..self.len];
+            // SAFETY: the mask enables the lanes of these entries only.
+            unsafe { simd.mask_load_ptr_f32s(self.mask, x.as_ptr()) }
+        }
+
+        #[inline(always)]
+        fn store(self, simd: S, x: &mut [f32], values: S::f32s) {
+            let x = &mut x[..self.len];
+            // SAFETY: as above.
+            unsafe { simd.mask_store_ptr_f32s(self.mask, x.as_mut_ptr(), values) }
+        }
+    }
+
     #[inline(always)]
     fn subtract_columns<S: Simd, const N: usize>(
         simd: S,
@@ -322,32 +352,29 @@ pub mod inline {
         x: &[f32],
     ) {
         let rows = y.len();
-        let whole = rows / S::F32_LANES * S::F32_LANES;
         let mut x_of = [simd.splat_f32s(0.0); N];
         for (v, &x) in x_of.iter_mut().zip(x) {
             *v = simd.splat_f32s(x);
         }
-        let columns = &a[..(N - 1) * stride + rows];
+        let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * stride..][..rows]);
         let mut i = 0;
-        while i < whole {
-            let y = &mut y[i..i + S::F32_LANES];
-            let mut sum = simd.partial_load_f32s(y);
-            for (k, &x) in x_of.iter().enumerate() {
-                let from = k * stride + i;
-                let column = S::as_simd_f32s(&columns[from..from + S::F32_LANES]).0[0];
-                sum = simd.negate_mul_add_e_f32s(column, x, sum);
+        while rows - i >= S::F32_LANES {
+            let (y, _) = S::as_mut_simd_f32s(&mut y[i..i + S::F32_LANES]);
+            let mut sum = y[0];
+            for (column, &x) in columns.iter().zip(&x_of) {
+                let (a, _) = S::as_simd_f32s(&column[i..i + S::F32_LANES]);
+                sum = simd.negate_mul_add_e_f32s(a[0], x, sum);
             }
-            S::as_mut_simd_f32s(y).0[0] = sum;
+            y[0] = sum;
             i += S::F32_LANES;
         }
-        if whole < rows {
-            let y = &mut y[whole..];
-            let mut sum = simd.partial_load_f32s(y);
-            for (k, &x) in x_of.iter().enumerate() {
-                let column = &columns[k * stride + whole..k * stride + rows];
-                sum = simd.negate_mul_add_e_f32s(simd.partial_load_f32s(column), x, sum);
+        if i < rows {
+            let tail = Tail::new(simd, rows - i);
+            let mut sum = tail.load(simd, &y[i..]);
+            for (column, &x) in columns.iter().zip(&x_of) {
+                sum = simd.negate_mul_add_e_f32s(tail.load(simd, &column[i..]), x, sum);
             }
-            simd.partial_store_f32s(y, sum);
+            tail.store(simd, &mut y[i..], sum);
         }
     }
 
@@ -404,24 +431,22 @@ pub mod inline {
     #[inline(always)]
     fn dots<S: Simd, const N: usize>(simd: S, x: &mut [f32], a: &[f32], stride: usize, y: &[f32]) {
         let rows = y.len();
-        let whole = rows / S::F32_LANES * S::F32_LANES;
-        let columns = &a[..(N - 1) * stride + rows];
+        let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * stride..][..rows]);
         let mut sums = [simd.splat_f32s(0.0); N];
         let mut i = 0;
-        while i < whole {
+        while rows - i >= S::F32_LANES {
             let v = S::as_simd_f32s(&y[i..i + S::F32_LANES]).0[0];
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let from = k * stride + i;
-                let column = S::as_simd_f32s(&columns[from..from + S::F32_LANES]).0[0];
-                *sum = simd.mul_add_e_f32s(column, v, *sum);
+            for (column, sum) in columns.iter().zip(&mut sums) {
+                let (a, _) = S::as_simd_f32s(&column[i..i + S::F32_LANES]);
+                *sum = simd.mul_add_e_f32s(a[0], v, *sum);
             }
             i += S::F32_LANES;
         }
-        if whole < rows {
-            let v = simd.partial_load_f32s(&y[whole..]);
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let column = &columns[k * stride + whole..k * stride + rows];
-                *sum = simd.mul_add_e_f32s(simd.partial_load_f32s(column), v, *sum);
+        if i < rows {
+            let tail = Tail::new(simd, rows - i);
+            let v = tail.load(simd, &y[i..]);
+            for (column, sum) in columns.iter().zip(&mut sums) {
+                *sum = simd.mul_add_e_f32s(tail.load(simd, &column[i..]), v, *sum);
             }
         }
         for (x, sum) in x.iter_mut().zip(sums) {
