@@ -17,6 +17,9 @@ const SHARED: usize = 1 << 19;
 /// Columns of a panel that one task reads on the way back.
 const COLUMNS: usize = 32;
 
+/// Entries of the next front that are asked for ahead.
+const AHEAD: usize = 1024;
+
 /// A factor in use.
 pub struct Solve<'a> {
     pub pattern: &'a Pattern,
@@ -113,6 +116,9 @@ impl Solve<'_> {
         for s in task.own.clone() {
             let shape = pattern.shape(s);
             let l = self.front(s);
+            if s + 1 < task.own.end {
+                self.ask_for(s + 1);
+            }
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             if s + 1 == task.own.end {
@@ -166,6 +172,9 @@ impl Solve<'_> {
         for s in task.own.clone().rev() {
             let shape = pattern.shape(s);
             let l = self.front(s);
+            if s > task.own.start {
+                self.ask_for(s - 1);
+            }
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             if s + 1 == task.own.end {
@@ -191,6 +200,13 @@ impl Solve<'_> {
     fn local_of(&self, s: usize) -> &[u32] {
         let start = &self.pattern.rows.start;
         &self.plan.local[start[s]..start[s + 1]]
+    }
+
+    /// Has a front brought near that comes next.
+    #[inline(always)]
+    fn ask_for(&self, s: usize) {
+        let l = self.front(s);
+        dense::prefetch(&l[..l.len().min(AHEAD)]);
     }
 
     fn front(&self, s: usize) -> &[f32] {
