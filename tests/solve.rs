@@ -112,7 +112,7 @@ fn wrong_input_is_told_with_status_2() {
         (vec![broken.as_str()], "broken.mtx:4: the value `minus`"),
         (vec![&matrix, &short], "b.mtx:2: the right-hand side is 3 x 1; it must be 8 x 1"),
         (vec!["nowhere.mtx"], "nowhere.mtx: cannot be read"),
-        (vec![&matrix, "--solver", "colmod"], "unknown solver `colmod`; the solvers are: cholmod"),
+        (vec![&matrix, "--solver", "colmod"], "unknown solver `colmod`; the solvers are: auto, cholmod"),
     ] {
         let output = dempfv(&[vec!["solve"], args].concat());
         assert_eq!(output.status.code(), Some(2));
