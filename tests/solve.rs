@@ -112,7 +112,10 @@ fn wrong_input_is_told_with_status_2() {
         (vec![broken.as_str()], "broken.mtx:4: the value `minus`"),
         (vec![&matrix, &short], "b.mtx:2: the right-hand side is 3 x 1; it must be 8 x 1"),
         (vec!["nowhere.mtx"], "nowhere.mtx: cannot be read"),
-        (vec![&matrix, "--solver", "colmod"], "unknown solver `colmod`; the solvers are: auto, cholmod"),
+        (
+            vec![&matrix, "--solver", "colmod"],
+            "unknown solver `colmod`; the solvers are: auto, cholmod",
+        ),
     ] {
         let output = dempfv(&[vec!["solve"], args].concat());
         assert_eq!(output.status.code(), Some(2));
@@ -132,4 +135,22 @@ fn doctor_tells_versions() {
     assert!(!report["versions"]["blas"].as_str().unwrap().is_empty());
     assert!(report["cores"].as_u64().unwrap() >= 1);
     assert!(text(&dempfv(&["doctor"]).stdout).contains("GPU"));
+}
+
+/// Positive definite, with a positive entry off the diagonal: CHOLMOD's and not
+/// the frontal solver's, which says so and leaves the rest alone, unless it is
+/// the one that was asked for.
+#[test]
+fn a_matrix_of_no_network_is_solved_by_those_that_can() {
+    let folder = Folder::new("other");
+    let head = "%%MatrixMarket matrix coordinate integer symmetric";
+    let matrix = folder.write("a.mtx", &format!("{head}\n2 2 3\n1 1 2\n2 1 1\n2 2 2\n"));
+    let output = dempfv(&["solve", &matrix]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(said.contains("frontal: the entry in row 1, column 0 is 1e0"), "{said}");
+    assert!(said.contains("\ncholmod "), "{said}");
+    let output = dempfv(&["solve", &matrix, "--solver", "frontal"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("use cholmod"));
 }

@@ -55,6 +55,15 @@ pub struct Report {
     blas: String,
     blas_threads: Option<usize>,
     solvers: Vec<SolverReport>,
+    /// Solvers that are not for this matrix.
+    refused: Vec<Refusal>,
+}
+
+/// A solver that is not for the matrix.
+#[derive(Debug, Serialize)]
+struct Refusal {
+    solver: &'static str,
+    reason: String,
 }
 
 /// How one solver did. Times in seconds.
@@ -100,10 +109,20 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         options.device = args.gpu_device.unwrap_or(0);
         options.memory = args.gpu_memory;
     }
-    let solvers = kinds
-        .iter()
-        .map(|&kind| measure(kind, &a, &b, known).map_err(|e| failed(e, kind, &args.matrix)))
-        .collect::<Result<_, Error>>()?;
+    let (mut solvers, mut refused) = (vec![], vec![]);
+    for kind in kinds {
+        match measure(kind, &a, &b, known) {
+            Ok(report) => solvers.push(report),
+            // Nobody asked for a solver of networks' matrices only.
+            Err(
+                reason
+                @ (SolverError::PositiveOffDiagonal { .. } | SolverError::NotDominant { .. }),
+            ) if args.solver.is_none() => {
+                refused.push(Refusal { solver: kind.name(), reason: reason.to_string() });
+            }
+            Err(e) => return Err(failed(e, kind, &args.matrix)),
+        }
+    }
     Ok(Report {
         matrix: args.matrix.clone(),
         right_hand_side: args.right_hand_side.clone(),
@@ -112,6 +131,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         blas: blas::description(),
         blas_threads: blas::threads(),
         solvers,
+        refused,
     })
 }
 
@@ -215,6 +235,7 @@ impl fmt::Display for Report {
                 bytes(run.memory_bytes as f64),
             )
         })?;
+        self.refused.iter().try_for_each(|r| writeln!(f, "\n{}: {}", r.solver, r.reason))?;
         self.solvers.iter().try_for_each(|run| match &run.placement {
             Placement::Cpu => Ok(()),
             Placement::Fallback { reason } => {
