@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
-use dempfv::coupling::{Coupled, Phase, Simulation};
+use dempfv::coupling::{Phase, Simulation};
 use dempfv::io::atomic;
 use dempfv::scene::{Plan, Update};
 use plot::{Axis, Mark, SERIES, Series, xy};
@@ -173,7 +173,7 @@ fn run(packing: &str, interval: u64, update: Update) -> Result<Run, Box<dyn Erro
         let more = simulation.advance()?;
         spent += start.elapsed().as_secs_f64();
         if simulation.step().is_multiple_of(LOOK) {
-            pressures.push(pressure_at_spheres(simulation.coupled()));
+            pressures.push(simulation.coupled().pressure_at_spheres());
         }
         if !more {
             break;
@@ -195,25 +195,4 @@ fn run(packing: &str, interval: u64, update: Update) -> Result<Run, Box<dyn Erro
     };
     eprintln!("{packing}: every {interval}, {}: {:.3} ms a step", update.name(), run.ms);
     Ok(run)
-}
-
-/// Mean pressure of the pores around each sphere, by volume; by the user's numbers.
-fn pressure_at_spheres(coupled: &Coupled) -> Vec<f64> {
-    let particles = coupled.dem.particles();
-    let mut sums = vec![(0.0, 0.0); particles.len()];
-    if let Some(flow) = coupled.flow() {
-        let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
-        for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
-            for &vertex in cell {
-                if let Some(sum) = sums.get_mut(vertex as usize) {
-                    *sum = (sum.0 + v * p, sum.1 + v);
-                }
-            }
-        }
-    }
-    let mut pressure = vec![0.0; particles.len()];
-    for (&id, (weighted, volume)) in particles.id.iter().zip(sums) {
-        pressure[id as usize] = if volume > 0.0 { weighted / volume } else { 0.0 };
-    }
-    pressure
 }

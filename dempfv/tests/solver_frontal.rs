@@ -119,6 +119,32 @@ fn other_matrices_are_refused() {
     assert_eq!(factor_of(&a).err(), Some(expected));
 }
 
+/// The diagonal entry is a sum of many, rounded at each addition: what a row lacks
+/// by that is round-off, and no negative sum. Here ten units in the last place are lacking
+/// of a sum of 40, which may differ by as many as it has terms.
+#[test]
+fn round_off_of_long_rows_is_no_negative_sum() {
+    let spokes = 40usize;
+    let weights: Vec<f64> = (1..=spokes).map(|k| 1.0 / (3.0 * k as f64)).collect();
+    let sum = weights.iter().sum::<f64>();
+    for hub in [sum * (1.0 - 10.0 * f64::EPSILON), sum] {
+        let mut a = SymmetricCsc { n: spokes + 1, col_ptr: vec![0], ..Default::default() };
+        a.row_idx = (0..=spokes as i64).collect();
+        a.values = std::iter::once(hub).chain(weights.iter().map(|w| -w)).collect();
+        a.col_ptr.push(a.row_idx.len() as i64);
+        for (k, w) in weights.iter().enumerate() {
+            a.row_idx.push(k as i64 + 1);
+            // The spokes' ends leak.
+            a.values.push(w + 1e-3);
+            a.col_ptr.push(a.row_idx.len() as i64);
+        }
+        let mut x = vec![0.0; a.n];
+        let b = vec![1.0; a.n];
+        let residual = factor_of(&a).unwrap().solve_checked(&a, &b, &mut x).unwrap();
+        assert!(residual < 1e-14, "{residual:e}");
+    }
+}
+
 /// A network that nothing flows out of has no solution.
 #[test]
 fn a_closed_network_is_singular() {

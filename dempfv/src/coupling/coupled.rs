@@ -94,6 +94,28 @@ impl Coupled {
         self.networks.accelerate(acceleration);
     }
 
+    /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
+    /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
+    pub fn pressure_at_spheres(&self) -> Vec<f64> {
+        let particles = self.dem.particles();
+        let mut sums = vec![(0.0, 0.0); particles.len()];
+        if let Some(flow) = self.flow() {
+            let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
+            for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
+                for &vertex in cell {
+                    if let Some(sum) = sums.get_mut(vertex as usize) {
+                        *sum = (sum.0 + v * p, sum.1 + v);
+                    }
+                }
+            }
+        }
+        let mut pressure = vec![0.0; particles.len()];
+        for (&id, (weighted, volume)) in particles.id.iter().zip(sums) {
+            pressure[id as usize] = if volume > 0.0 { weighted / volume } else { 0.0 };
+        }
+        pressure
+    }
+
     /// Sets what each solve may leave of the imbalance of fluid mass and of the
     /// pressures' error (1); see [`Flow::set_tolerance`](crate::pfv::Flow::set_tolerance).
     pub fn set_tolerance(&mut self, tolerance: f64) {

@@ -49,6 +49,7 @@ mod kind;
 mod matrix;
 pub mod ordering;
 mod placement;
+mod tree;
 
 pub use auto::{Auto, FRONTAL_FROM};
 pub use cholmod::{Cholmod, CholmodGpu};

@@ -114,20 +114,34 @@ impl<P> bench::Bench<P> {
         let input = jobs.join(format!("{step}.json"));
         let path = self.write(&format!("jobs/{step}.py"), script)?;
         context::write_json(&input, job)?;
-        // The result of an earlier call must not pass for that of this one.
-        let _ = std::fs::remove_file(&result);
         command.arg(&path).env("DEMPFV_JOB", &input).env("DEMPFV_RESULT", &result);
         for name in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
             command.env(name, threads.to_string());
         }
-        let log = self.run_logged(step, program, &mut command)?;
+        self.run_for(step, program, &mut command, &result)
+    }
+
+    /// Runs a command that leaves its result in a file, as JSON.
+    ///
+    /// # Errors
+    /// [`Error::Peer`] when it fails or leaves no such file; its log is kept.
+    pub fn run_for<T: DeserializeOwned>(
+        &self,
+        step: &str,
+        program: &str,
+        command: &mut Command,
+        result: &Path,
+    ) -> Result<T, Error> {
+        // The result of an earlier call must not pass for that of this one.
+        let _ = std::fs::remove_file(result);
+        let log = self.run_logged(step, program, command)?;
         let wrong = |what: String| Error::Peer {
             step: step.to_owned(),
             what: format!("{program} {what}"),
             log: Some(log.clone()),
         };
         let text =
-            std::fs::read(&result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
+            std::fs::read(result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
         serde_json::from_slice(&text)
             .map_err(|e| wrong(format!("left something unexpected in {}: {e}", result.display())))
     }

@@ -169,7 +169,7 @@ fn carry_out(plan: Plan, interval: u64, threads: usize) -> Result<End, Error> {
     while simulation.advance()? {}
     let wall_s = start.elapsed().as_secs_f64();
     let coupled = simulation.coupled();
-    let at_spheres = pressure_at_spheres(coupled);
+    let at_spheres = coupled.pressure_at_spheres();
     Ok(End {
         interval,
         threads,
@@ -179,28 +179,6 @@ fn carry_out(plan: Plan, interval: u64, threads: usize) -> Result<End, Error> {
         state_hash: simulation.state_hash(),
         git: env!("DEMPFV_GIT_VERSION").to_owned(),
     })
-}
-
-/// Mean pressure of the pores around each sphere, by volume; by the user's numbers.
-fn pressure_at_spheres(coupled: &Coupled) -> Vec<f64> {
-    let particles = coupled.dem.particles();
-    let mut sums = vec![(0.0, 0.0); particles.len()];
-    if let Some(flow) = coupled.flow() {
-        let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
-        for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
-            for &vertex in cell {
-                if let Some(sum) = sums.get_mut(vertex as usize) {
-                    *sum = (sum.0 + v * p, sum.1 + v);
-                }
-            }
-        }
-    }
-    let mut pressure = vec![0.0; particles.len()];
-    for (&id, (weighted, volume)) in particles.id.iter().zip(sums) {
-        // A sphere that is a vertex of no pore feels none.
-        pressure[id as usize] = if volume > 0.0 { weighted / volume } else { 0.0 };
-    }
-    pressure
 }
 
 /// The user's number of the sphere nearest to the middle of the bottom, y_min.

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::dense::{self, inline};
+use super::dense;
+use super::lanes;
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
 use super::shape::{Shape, TILE};
@@ -242,11 +243,11 @@ fn forward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32],
     for panel in 0..shape.panels() {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
         let (own, later) = x[first..].split_at_mut(width);
-        inline::solve_lower(simd, own, &l[at..at + width * width]);
+        lanes::solve_lower(simd, own, &l[at..at + width * width]);
         at += width * width;
         for y in later.chunks_mut(TILE).chain(edge.chunks_mut(TILE)) {
             let end = at + y.len() * width;
-            inline::subtract_times(simd, y, &l[at..end], y.len(), own);
+            lanes::subtract_times(simd, y, &l[at..end], y.len(), own);
             at = end;
         }
     }
@@ -262,11 +263,11 @@ fn backward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32]
         let mut at = start + width * width;
         for y in later.chunks(TILE).chain(edge.chunks(TILE)) {
             let end = at + y.len() * width;
-            inline::subtract_transposed(simd, own, &l[at..end], y.len(), y);
+            lanes::subtract_transposed(simd, own, &l[at..end], y.len(), y);
             at = end;
         }
         let diagonal = &l[start..start + width * width];
-        inline::solve_upper(simd, own, diagonal);
+        lanes::solve_upper(simd, own, diagonal);
     }
 }
 

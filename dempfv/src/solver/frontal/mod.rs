@@ -22,13 +22,14 @@
 mod apply;
 mod assemble;
 mod dense;
+mod lanes;
 mod numeric;
+mod pivot;
 mod plan;
 mod shape;
 mod supernodes;
 mod symbolic;
 mod system;
-mod tree;
 
 use super::{
     Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
@@ -39,9 +40,6 @@ use numeric::{Entries, Factorization, Stopped};
 use plan::Plan;
 use symbolic::Pattern;
 use system::System;
-
-/// No number.
-const NONE: u32 = u32::MAX;
 
 /// In messages.
 const NAME: &str = "frontal";

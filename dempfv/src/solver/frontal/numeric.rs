@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::assemble;
 use super::dense::{self, Block};
+use super::pivot;
 use super::plan::Plan;
 use super::shape::Shape;
 use super::symbolic::Pattern;
@@ -231,12 +232,12 @@ fn eliminate(
         dense::subtract_column_sums(tile, rows, &mut rest);
     }
     let inverse = &mut inverse[first..first + width];
-    dense::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
+    pivot::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
     let (triangle, inverse) = (&*diagonal, &*inverse);
     each(tiles_below(shape, panel, below), shared, |(_, rows, tile)| {
         dense::solve_right(tile, rows, triangle, width, inverse);
     });
-    dense::invert_strips(diagonal, width);
+    pivot::invert_strips(diagonal, width);
 
     // The excess of a row grows by its part of those that it is relieved of.
     let (own, later) = excess[first..].split_at_mut(width);

@@ -4,8 +4,8 @@
 
 use std::ops::Range;
 
-use super::NONE;
 use super::symbolic::Pattern;
+use crate::solver::tree::NONE;
 
 /// A factor of fewer entries is worked through by one thread: it is done before
 /// another has woken up.

@@ -1,7 +1,6 @@
 //! Which columns share a front.
 
-use super::NONE;
-use super::tree;
+use crate::solver::tree::{self, NONE};
 
 /// A front costs as much time as so many entries, whatever it holds: no more
 /// zeros than this are a good price for one front less.

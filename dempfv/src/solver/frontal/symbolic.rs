@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::NONE;
 use super::shape::Shape;
 use super::supernodes::Supernodes;
-use super::tree::{self, Lists};
 use crate::solver::SymmetricCsc;
+use crate::solver::tree::{self, Lists, NONE};
 
 /// The pattern of the factor, and the plan of the factorization.
 pub struct Pattern {

@@ -4,9 +4,6 @@ use rayon::prelude::*;
 
 use crate::solver::{SolverError, SymmetricCsc};
 
-/// Row sums below this part of the diagonal entry are round-off of the sum.
-const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
-
 /// Rows that one task works through.
 const ROWS: usize = 4096;
 
@@ -61,12 +58,15 @@ impl System {
         }
         for (row, excess) in excess.iter_mut().enumerate() {
             let diagonal = a.values[a.col_ptr[row] as usize];
-            let off: f64 = size[start[row] as usize..start[row + 1] as usize].iter().sum();
-            let sum = diagonal - off;
-            if sum < -ROUND_OFF * diagonal {
+            let off = &size[start[row] as usize..start[row + 1] as usize];
+            let sum = diagonal - off.iter().sum::<f64>();
+            // Half a unit in the last place for each addition, of whoever summed the
+            // diagonal entry up and of the sum here, and one for the difference.
+            let round_off = (off.len() + 1) as f64 * f64::EPSILON * diagonal;
+            if sum < -round_off {
                 return Err(SolverError::NotDominant { row, sum, diagonal });
             }
-            *excess = if sum <= ROUND_OFF * diagonal { 0.0 } else { sum };
+            *excess = if sum <= round_off { 0.0 } else { sum };
         }
         Ok(())
     }

@@ -6,8 +6,7 @@ use std::time::Instant;
 
 use dempfv::Vec3;
 use dempfv::scene::load_packing;
-use dempfv::solver::SymmetricCsc;
-use dempfv::solver::ordering::Ordering;
+use dempfv::solver::ordering::{Ordering, factor_entries};
 use serde::{Deserialize, Serialize};
 
 use super::system::Meshed;
@@ -66,7 +65,7 @@ impl Follow {
             let followed = first.follow(a, points);
             follow_s.push(start.elapsed().as_secs_f64());
             if nnz == [0; 2] {
-                nnz = [&own, &followed].map(|ordering| entries(a, ordering.permutation()));
+                nnz = [&own, &followed].map(|ordering| factor_entries(a, ordering.permutation()));
             }
         }
         Ok(Followed {
@@ -100,68 +99,9 @@ fn new_cells(before: &[[u32; 4]], after: &[[u32; 4]]) -> f64 {
     new as f64 / after.len().max(1) as f64
 }
 
-/// Entries of the factor when the unknowns are eliminated in this order: row by row, along
-/// the paths of the elimination tree (Liu 1986).
-fn entries(a: &SymmetricCsc, permutation: &[i64]) -> u64 {
-    const NONE: u32 = u32::MAX;
-    let n = a.n;
-    let mut place = vec![0u32; n];
-    for (k, &unknown) in permutation.iter().enumerate() {
-        place[unknown as usize] = k as u32;
-    }
-    let place = &place[..];
-    let pairs = || {
-        (0..n).flat_map(move |j| {
-            let rows = &a.row_idx[a.col_ptr[j] as usize..a.col_ptr[j + 1] as usize];
-            let both = move |&i: &i64| (place[i as usize], place[j]);
-            rows.iter().map(both).filter(|(i, j)| i != j).map(|(i, j)| (i.max(j), i.min(j)))
-        })
-    };
-    let mut start = vec![0usize; n + 1];
-    pairs().for_each(|(i, _)| start[i as usize + 1] += 1);
-    (0..n).for_each(|i| start[i + 1] += start[i]);
-    let mut left = vec![0u32; start[n]];
-    let mut next = start.clone();
-    for (i, j) in pairs() {
-        left[next[i as usize]] = j;
-        next[i as usize] += 1;
-    }
-    let (mut parent, mut seen) = (vec![NONE; n], vec![NONE; n]);
-    let mut count = n as u64;
-    for i in 0..n as u32 {
-        seen[i as usize] = i;
-        for &first in &left[start[i as usize]..start[i as usize + 1]] {
-            let mut j = first as usize;
-            while seen[j] != i {
-                seen[j] = i;
-                count += 1;
-                if parent[j] == NONE {
-                    parent[j] = i;
-                }
-                j = parent[j] as usize;
-            }
-        }
-    }
-    count
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A star of four: eliminated last, its centre fills nothing in (4 + 3 entries); first,
-    /// it joins all others (4 + 3 + 2 + 1).
-    #[test]
-    fn fill_depends_on_the_order() {
-        let a = SymmetricCsc {
-            n: 4,
-            col_ptr: vec![0, 4, 5, 6, 7],
-            row_idx: vec![0, 1, 2, 3, 1, 2, 3],
-            values: vec![4.0, -1.0, -1.0, -1.0, 2.0, 2.0, 2.0],
-        };
-        assert_eq!(entries(&a, &[1, 2, 3, 0]), 7);
-        assert_eq!(entries(&a, &[0, 1, 2, 3]), 10);
-    }
 
     #[test]
     fn cells_are_known_by_their_corners() {

@@ -109,19 +109,8 @@ impl<P> Bench<P> {
         let input = self.folder.join("jobs").join(format!("{step}.json"));
         let result = self.folder.join("jobs").join(format!("{step}.result.json"));
         context::write_json(&input, job)?;
-        // The result of an earlier call must not pass for that of this one.
-        let _ = std::fs::remove_file(&result);
         command.args([&input, &result]);
-        let log = self.run_logged(step, program, &mut command)?;
-        let wrong = |what: String| Error::Peer {
-            step: step.to_owned(),
-            what: format!("{program} {what}"),
-            log: Some(log.clone()),
-        };
-        let text =
-            std::fs::read(&result).map_err(|e| wrong(format!("ended without a result ({e})")))?;
-        serde_json::from_slice(&text)
-            .map_err(|e| wrong(format!("left something unexpected in {}: {e}", result.display())))
+        self.run_for(step, program, &mut command, &result)
     }
 }
 

@@ -1,8 +1,10 @@
 //! The elimination tree of a pattern and the number of entries in each column
 //! of the factor (Liu 1990; Gilbert, Ng and Peyton 1994).
 
-use super::NONE;
-use crate::solver::SymmetricCsc;
+use super::SymmetricCsc;
+
+/// No number.
+pub const NONE: u32 = u32::MAX;
 
 /// Lists of numbers, one after the other.
 pub struct Lists {
