@@ -3,44 +3,46 @@
 use rayon::prelude::*;
 
 use super::super::SymmetricCsc;
-use super::degree::Leaf;
 use super::graph::Graph;
-use super::nearest::Grid;
 use super::tree::{self, Size, Tree};
-use super::{Ordering, require_points};
+use super::{Ordering, require_points, turns_at};
 
-/// Separators may become so much heavier before they are found anew.
-const HEAVIER: f64 = 1.2;
+/// Separators may become so much heavier before they are found anew. By then the
+/// factor of a packing has about as much more entries than with an ordering of its own.
+const HEAVIER: f64 = 1.12;
 
 /// No leaf may hold more of the vertices than this many times its share.
 const LARGEST: usize = 8;
-
-/// Leaves that a thread takes at a time.
-const BATCH: usize = 32;
 
 impl Ordering {
     /// An ordering of a network that has moved a little since this one was made, and
     /// changed where it had to: `a` and `points` are the new ones, in any numbering.
     ///
-    /// Each unknown goes to the part that the nearest old one was in. Where parts that
-    /// should be separated touch, one of the two unknowns joins the separator, and
-    /// leaves it where it separates nothing. A dissection that has suffered too much
-    /// is made anew; so may be called at every remesh.
+    /// Each unknown takes the turn of the nearest old one, and is in the part that this
+    /// was in. Where parts that should be separated touch, one of the two unknowns joins
+    /// the separator, and leaves it where it separates nothing. A dissection that has
+    /// suffered too much is made anew; so may be called at every remesh.
     ///
     /// # Panics
     /// As [`order`](super::order).
     pub fn follow(&self, a: &SymmetricCsc, points: &[[f64; 3]]) -> Ordering {
         require_points(a, points);
         let graph = Graph::whole(a, points);
-        let root = self.tree.len().saturating_sub(1) as u32;
-        let mut labels: Vec<u32> = graph
+        // Without an old unknown to follow, last, in the separator of the whole.
+        let (last, root) = (self.part.len(), self.tree.len().saturating_sub(1) as u32);
+        let (turns, mut labels): (Vec<u32>, Vec<u32>) = graph
             .point
             .par_iter()
             .with_min_len(4096)
-            .map(|p| self.parts.label(p).unwrap_or(root))
-            .collect();
+            .map(|p| match self.turns.label(p) {
+                Some(turn) => (turn, self.part[turn as usize]),
+                None => (last as u32, root),
+            })
+            .unzip();
         mend(&graph, &self.tree, &mut labels);
-        let (mut vertices, start) = sorted(&labels, self.tree.len());
+        let all = (0..a.n as u32).collect();
+        let (by_turn, _) = sorted(all, &turns, last + 1);
+        let (vertices, start) = sorted(by_turn, &labels, self.tree.len());
         let sizes = sizes(&self.tree, &start);
         let most = LARGEST * (a.n / sizes.len().max(1) + super::block::LEAF);
         let leaves = sizes.iter().filter(|size| size.below == 0);
@@ -48,11 +50,12 @@ impl Ordering {
         if uneven || tree::weight(&sizes) > HEAVIER * self.weight {
             return Ordering::new(a, points);
         }
-        order_leaves(&graph, &self.tree, &labels, &start, &mut vertices);
+        let part = vertices.iter().map(|&v| labels[v as usize]).collect();
         Ordering {
+            turns: turns_at(&graph.point, &vertices),
             permutation: vertices.into_iter().map(i64::from).collect(),
             tree: self.tree.clone(),
-            parts: Grid::new(&graph.point, &labels),
+            part,
             weight: self.weight,
         }
     }
@@ -84,8 +87,9 @@ fn mend(graph: &Graph, tree: &Tree, labels: &mut [u32]) {
     }
 }
 
-/// The vertices sorted by label, and where each label begins.
-fn sorted(labels: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+/// Vertices sorted by label, in their order where labels are the same, and where each
+/// label begins.
+fn sorted(vertices: Vec<u32>, labels: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; count + 2];
     for &label in labels {
         start[label as usize + 2] += 1;
@@ -93,14 +97,14 @@ fn sorted(labels: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
     for k in 0..count {
         start[k + 2] += start[k + 1];
     }
-    let mut vertices = vec![0; labels.len()];
-    for (v, &label) in labels.iter().enumerate() {
-        let next = &mut start[label as usize + 1];
-        vertices[*next as usize] = v as u32;
+    let mut out = vec![0; vertices.len()];
+    for v in vertices {
+        let next = &mut start[labels[v as usize] as usize + 1];
+        out[*next as usize] = v;
         *next += 1;
     }
     start.pop();
-    (vertices, start)
+    (out, start)
 }
 
 fn sizes(tree: &Tree, start: &[u32]) -> Vec<Size> {
@@ -109,25 +113,4 @@ fn sizes(tree: &Tree, start: &[u32]) -> Vec<Size> {
         below: tree.below(k as u32),
     };
     start.windows(2).enumerate().map(size).collect()
-}
-
-/// Sorts the vertices of each leaf by minimum degree.
-fn order_leaves(graph: &Graph, tree: &Tree, labels: &[u32], start: &[u32], vertices: &mut [u32]) {
-    let mut rest = vertices;
-    let mut leaves = Vec::new();
-    for (label, pair) in (0..).zip(start.windows(2)) {
-        let (part, others) = rest.split_at_mut((pair[1] - pair[0]) as usize);
-        rest = others;
-        if tree.is_leaf(label) && !part.is_empty() {
-            leaves.push((label, part));
-        }
-    }
-    leaves.par_chunks_mut(BATCH).for_each_init(
-        || (Leaf::default(), vec![0; graph.len()]),
-        |(leaf, number), batch| {
-            for (label, part) in batch {
-                leaf.order(graph, part, labels, *label, number);
-            }
-        },
-    );
 }

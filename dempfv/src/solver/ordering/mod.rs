@@ -21,6 +21,8 @@ mod graph;
 mod nearest;
 mod tree;
 
+use std::iter::repeat_n;
+
 use super::SymmetricCsc;
 use block::Block;
 pub use fill::factor_entries;
@@ -68,8 +70,10 @@ fn require_points(a: &SymmetricCsc, points: &[[f64; 3]]) {
 pub struct Ordering {
     permutation: Vec<i64>,
     tree: Tree,
-    /// The part of the dissection at each point.
-    parts: Grid,
+    /// When the unknown at each point is eliminated.
+    turns: Grid,
+    /// The part of the dissection that each entry of the permutation is in.
+    part: Vec<u32>,
     /// Weight of the separators when they were found.
     weight: f64,
 }
@@ -84,21 +88,27 @@ impl Ordering {
         let (permutation, sizes) = dissected(Graph::whole(a, points));
         let tree = Tree::new(&sizes);
         let weight = tree::weight(&sizes);
-        let mut labels = vec![0; a.n];
-        let mut next = permutation.iter();
-        for (label, size) in sizes.iter().enumerate() {
-            for &unknown in next.by_ref().take(size.vertices as usize) {
-                labels[unknown as usize] = label as u32;
-            }
-        }
+        let own = |(label, size): (usize, &Size)| repeat_n(label as u32, size.vertices as usize);
+        let part = sizes.iter().enumerate().flat_map(own).collect();
         let points: Vec<_> = points.iter().map(|p| p.map(|x| x as f32)).collect();
-        Ordering { permutation, tree, parts: Grid::new(&points, &labels), weight }
+        let in_order: Vec<u32> = permutation.iter().map(|&unknown| unknown as u32).collect();
+        let turns = turns_at(&points, &in_order);
+        Ordering { permutation, tree, turns, part, weight }
     }
 
     /// Entry k is the unknown that is eliminated as the k-th.
     pub fn permutation(&self) -> &[i64] {
         &self.permutation
     }
+}
+
+/// When the unknown at each point is eliminated: its place among all in that order.
+fn turns_at(points: &[[f32; 3]], in_order: &[u32]) -> Grid {
+    let mut turns = vec![0; in_order.len()];
+    for (turn, &unknown) in in_order.iter().enumerate() {
+        turns[unknown as usize] = turn as u32;
+    }
+    Grid::new(points, &turns)
 }
 
 /// The order of a graph, and the parts it was dissected into.

@@ -14,6 +14,9 @@ use crate::commands::compare::time::{INTERVAL, Specimen, Times, Tuning, YadeRun}
 const TRIED: usize = 20_000;
 /// Packings of more spheres take two runs each.
 const LARGE: usize = 100_000;
+/// What the scene of a coupled step says of accuracy: an estimate, on the safe side of the
+/// error of pressures that the contest allows, which is measured in each.
+pub const TOLERANCE: &str = "tolerance = 1e-7\n";
 /// Phases of our step, by their names in summaries.
 pub const PHASES: [&str; 5] = ["contacts", "integration", "volume_rates", "solve", "fluid_forces"];
 /// Phases of our remesh.
@@ -168,7 +171,7 @@ fn yade(
 fn ours(contest: &Contest, placed: &Placed, way: Way, run: usize) -> Result<Value, Error> {
     let intervals = if placed.spheres > LARGE { 2 } else { 3 };
     let steps = intervals * INTERVAL as u64;
-    let scene = scene(placed, steps, way.keys(), contest.ours);
+    let scene = scene(placed, steps, &(TOLERANCE.to_owned() + way.keys()), contest.ours);
     let name = format!("coupled-{}-{}-run{run}", placed.spheres, way.name());
     let bench = contest.bench;
     bench.remembered(&name, &(&scene, run), || {
@@ -180,7 +183,7 @@ fn ours(contest: &Contest, placed: &Placed, way: Way, run: usize) -> Result<Valu
 fn pressure(contest: &Contest, placed: &Placed) -> Result<Steps, Error> {
     // After a remesh that has a predecessor too, whose steps are few with many spheres.
     let steps = if placed.spheres > LARGE { 24 } else { 240 };
-    let scene = scene(placed, steps as u64, "", contest.ours);
+    let scene = scene(placed, steps as u64, TOLERANCE, contest.ours);
     let scene = match placed.spheres > LARGE {
         true => scene.replace("remesh_interval = 200", "remesh_interval = 12"),
         false => scene,
