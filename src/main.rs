@@ -20,7 +20,9 @@ fn main() -> ExitCode {
     };
     let result = Context::new(&cli.options)
         .map_err(commands::Error::from)
-        .and_then(|context| commands::execute(cli.command, &context));
+        // On a thread of the pool: a caller from outside would hand each piece of work over
+        // and wait for it, several times a step.
+        .and_then(|context| rayon::scope(|_| commands::execute(cli.command, &context)));
     match result {
         Ok(status) => status,
         Err(error) => {

@@ -41,7 +41,8 @@ impl Context {
     /// [`Error::Input`] when that many threads cannot be started, or the folder of the
     /// JSON file is not there: it is better known before the work than after.
     pub fn new(options: &Options) -> Result<Context, Error> {
-        let mut pool = rayon::ThreadPoolBuilder::new();
+        // Commands run on one of these threads: as much room as a program's first thread has.
+        let mut pool = rayon::ThreadPoolBuilder::new().stack_size(8 << 20);
         if let Some(threads) = options.threads {
             pool = pool.num_threads(threads.into());
         }

@@ -1,6 +1,9 @@
 //! How the pressures have gone, and where they will go next.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+
+use super::operators::{SERIAL, TASK, for_each};
 
 /// The unknown pressures of the last solves (Pa), by which the next ones are
 /// predicted: on the parabola through three of them, on the line through two.
@@ -43,19 +46,28 @@ impl Course {
     /// Puts a prediction in the place of the last pressures.
     pub(super) fn predict(&mut self) {
         let [last, one_more] = &mut self.before;
-        let history = self.now.iter_mut().zip(last.iter_mut().zip(one_more));
-        match self.known {
-            0 => {}
-            1 => history.for_each(|(now, (last, _))| *last = *now),
-            2 => history.for_each(|(now, (last, one_more))| {
-                let next = 2.0 * *now - *last;
-                (*one_more, *last, *now) = (*last, *now, next);
-            }),
-            _ => history.for_each(|(now, (last, one_more))| {
-                let next = 3.0 * (*now - *last) + *one_more;
-                (*one_more, *last, *now) = (*last, *now, next);
-            }),
-        }
+        let history = (self.now.as_mut_slice(), last.as_mut_slice(), one_more.as_mut_slice());
+        let known = self.known;
+        in_parts(history, &|now, last, one_more| {
+            let history = now.iter_mut().zip(last.iter_mut().zip(one_more));
+            match known {
+                0 => {}
+                1 => history.for_each(|(now, (last, _))| *last = *now),
+                2 => history.for_each(|(now, (last, one_more))| {
+                    let next = 2.0 * *now - *last;
+                    (*one_more, *last, *now) = (*last, *now, next);
+                }),
+                _ => history.for_each(|(now, (last, one_more))| {
+                    let next = 3.0 * (*now - *last) + *one_more;
+                    (*one_more, *last, *now) = (*last, *now, next);
+                }),
+            }
+        });
+    }
+
+    /// Adds a correction to the prediction.
+    pub(super) fn correct(&mut self, correction: &[f64]) {
+        for_each(&mut self.now, &|u, p| *p += correction[u]);
     }
 
     /// The prediction has become a solution.
@@ -80,6 +92,19 @@ impl Course {
     /// What a correction leaves of an error.
     pub(super) fn gain(&self) -> f64 {
         self.gain.unwrap_or(1.0)
+    }
+}
+
+/// Does something with parts of three vectors, on all threads if that pays.
+fn in_parts(
+    (a, b, c): (&mut [f64], &mut [f64], &mut [f64]),
+    work: &(impl Fn(&mut [f64], &mut [f64], &mut [f64]) + Sync),
+) {
+    if a.len() < SERIAL {
+        work(a, b, c);
+    } else {
+        let both = a.par_chunks_mut(TASK).zip(b.par_chunks_mut(TASK));
+        both.zip(c.par_chunks_mut(TASK)).for_each(|((a, b), c)| work(a, b, c));
     }
 }
 

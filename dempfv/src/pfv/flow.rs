@@ -5,6 +5,7 @@ use super::carry::Carried;
 use super::course::Course;
 use super::follow::Follower;
 use super::iterate::Gradients;
+use super::operators::parts;
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -251,10 +252,12 @@ impl Flow {
     }
 
     pub(super) fn check_pressure(&self) -> Result<()> {
-        match self.pressure.iter().position(|p| !p.is_finite()) {
-            None => Ok(()),
-            Some(pore) => Err(PfvError::PressureNotFinite { pore: pore as u32 }.into()),
+        let finite = |part: &[f64]| part.iter().all(|p| p.is_finite());
+        if parts(&self.pressure, finite, true, |a, b| a && b) {
+            return Ok(());
         }
+        let pore = self.pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
+        Err(PfvError::PressureNotFinite { pore: pore as u32 }.into())
     }
 
     /// Sets what a solve may leave: of the imbalance of fluid mass (relative to
@@ -279,7 +282,7 @@ impl Flow {
         } else {
             factor.correct(rhs, correction)?;
         }
-        course.now.iter_mut().zip(correction.iter()).for_each(|(p, c)| *p += c);
+        course.correct(correction);
         operators.pressures(&course.now, pressure);
         Ok(())
     }
@@ -434,5 +437,5 @@ impl Flow {
 }
 
 fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, v| v.abs().max(m))
+    parts(x, |part| part.iter().fold(0.0, |m, v| v.abs().max(m)), 0.0, f64::max)
 }

@@ -180,8 +180,9 @@ impl Operators {
     pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
         let flux = self.flux(pressure, volume_rate);
         let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
-        let (grown, moved) =
-            volume_rate.iter().fold((0.0f64, 0.0), |(g, m), v| (g + v, m + v.abs()));
+        let sums = |part: &[f64]| part.iter().fold((0.0, 0.0), |(g, m), v| (g + v, m + v.abs()));
+        let (grown, moved): (f64, f64) =
+            parts(volume_rate, sums, (0.0, 0.0), |(g, m), (v, w)| (g + v, m + w));
         let larger = through.max(grown.abs()).max(0.01 * moved);
         if larger > 0.0 { (net - grown).abs() / larger } else { 0.0 }
     }
@@ -255,6 +256,26 @@ pub(super) fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + S
             chunk.iter_mut().enumerate().for_each(|(k, v)| set(task * TASK + k, v));
         });
     }
+}
+
+/// Takes a vector part by part and joins what comes of the parts, in their order: the
+/// same for any number of threads.
+pub(super) fn parts<T: Copy + Send + Sync>(
+    x: &[f64],
+    one: impl Fn(&[f64]) -> T + Sync,
+    none: T,
+    join: impl Fn(T, T) -> T,
+) -> T {
+    const PARTS: usize = 64;
+    let size = x.len().div_ceil(PARTS).max(1);
+    let mut found = [none; PARTS];
+    if x.len() < SERIAL {
+        found.iter_mut().zip(x.chunks(size)).for_each(|(found, part)| *found = one(part));
+    } else {
+        let each = found.par_iter_mut().zip(x.par_chunks(size));
+        each.with_min_len(4).for_each(|(found, part)| *found = one(part));
+    }
+    found.into_iter().fold(none, join)
 }
 
 /// The wall that imposes a cell's pressure; of several the last, as in YADE.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::dense;
 use super::lanes;
+use super::narrow;
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
 use super::shape::{Shape, TILE};
@@ -36,11 +37,11 @@ impl Solve<'_> {
             self.forward(&self.plan.roots, vectors, 0);
             self.backward(&self.plan.roots, vectors, 0);
         };
-        if self.plan.tasks.len() == 1 {
-            both(vectors);
-        } else {
+        if self.plan.is_shared() {
             // A thread from outside waits for the pool once, not for each task.
             rayon::scope(|_| both(vectors));
+        } else {
+            both(vectors);
         }
     }
 
@@ -106,8 +107,12 @@ impl Solve<'_> {
         let shape = self.pattern.shape(s);
         let (x, edge) = own.split_at_mut(shape.width);
         let l = self.front(s);
-        let shared = shape.len() >= SHARED;
-        forward_front(shape, l, x, &mut edge[..shape.edge], shared);
+        let edge = &mut edge[..shape.edge];
+        if narrow::is_narrow(shape) {
+            pulp::Arch::new().dispatch(Alone::<true> { shape, l, x, edge });
+        } else {
+            forward_front(shape, l, x, edge, shape.len() >= SHARED);
+        }
     }
 
     #[inline(always)]
@@ -122,7 +127,22 @@ impl Solve<'_> {
             }
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
-            if s + 1 == task.own.end {
+            let last = s + 1 == task.own.end;
+            if narrow::is_small::<S>(shape) {
+                let l = &self.entries.l[pattern.start[s]..];
+                let out = narrow::forward_small(simd, shape.height(), l, x);
+                x.iter_mut().zip(&out).for_each(|(x, v)| *x = -v);
+                let edge = &out[shape.width..shape.height()];
+                if last {
+                    rest.iter_mut().zip(edge).for_each(|(e, v)| *e += v);
+                } else {
+                    for (&row, v) in self.local_of(s).iter().zip(edge) {
+                        rest[row as usize] += v;
+                    }
+                }
+                continue;
+            }
+            if last {
                 // The last one's edge is the task's.
                 forward_alone(simd, shape, l, x, &mut rest[..shape.edge]);
                 continue;
@@ -154,7 +174,12 @@ impl Solve<'_> {
         let shape = self.pattern.shape(s);
         let (x, edge) = own.split_at_mut(shape.width);
         let l = self.front(s);
-        backward_front(shape, l, x, &edge[..shape.edge], shape.len() >= SHARED);
+        if narrow::is_narrow(shape) {
+            let edge = &mut edge[..shape.edge];
+            pulp::Arch::new().dispatch(Alone::<false> { shape, l, x, edge });
+        } else {
+            backward_front(shape, l, x, &edge[..shape.edge], shape.len() >= SHARED);
+        }
         for &child in &task.children {
             let child = &self.plan.tasks[child as usize];
             let (edge, map) = self.edge_of(child);
@@ -178,7 +203,23 @@ impl Solve<'_> {
             }
             let column = (pattern.first[s] - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
-            if s + 1 == task.own.end {
+            let last = s + 1 == task.own.end;
+            if narrow::is_small::<S>(shape) {
+                let mut y = narrow::NOTHING;
+                y.iter_mut().zip(&*x).for_each(|(y, x)| *y = -x);
+                let edge = &mut y[shape.width..shape.height()];
+                if last {
+                    edge.copy_from_slice(&rest[..shape.edge]);
+                } else {
+                    for (&row, v) in self.local_of(s).iter().zip(edge) {
+                        *v = rest[row as usize];
+                    }
+                }
+                let l = &self.entries.l[pattern.start[s]..];
+                narrow::backward_small(simd, shape.height(), l, &y, x);
+                continue;
+            }
+            if last {
                 backward_alone(simd, shape, l, x, &rest[..shape.edge]);
                 continue;
             }
@@ -208,6 +249,7 @@ impl Solve<'_> {
     fn ask_for(&self, s: usize) {
         let l = self.front(s);
         dense::prefetch(&l[..l.len().min(AHEAD)]);
+        dense::prefetch(self.local_of(s));
     }
 
     fn front(&self, s: usize) -> &[f32] {
@@ -236,9 +278,35 @@ impl<const FORWARD: bool> pulp::WithSimd for Subtree<'_, FORWARD> {
     }
 }
 
+/// A front's part of a solve, by one thread.
+struct Alone<'a, const FORWARD: bool> {
+    shape: Shape,
+    l: &'a [f32],
+    x: &'a mut [f32],
+    edge: &'a mut [f32],
+}
+
+impl<const FORWARD: bool> pulp::WithSimd for Alone<'_, FORWARD> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let Alone { shape, l, x, edge } = self;
+        if FORWARD {
+            forward_alone(simd, shape, l, x, edge);
+        } else {
+            backward_alone(simd, shape, l, x, edge);
+        }
+    }
+}
+
 /// [`forward_front`] by one thread.
 #[inline(always)]
 fn forward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &mut [f32]) {
+    if narrow::is_narrow(shape) {
+        narrow::forward(simd, shape, l, x, edge);
+        return;
+    }
     let mut at = 0;
     for panel in 0..shape.panels() {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
@@ -256,6 +324,10 @@ fn forward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32],
 /// [`backward_front`] by one thread.
 #[inline(always)]
 fn backward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &[f32]) {
+    if narrow::is_narrow(shape) {
+        narrow::backward(simd, shape, l, x, edge);
+        return;
+    }
     for panel in (0..shape.panels()).rev() {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
         let start = shape.panel_start(panel);

@@ -28,7 +28,7 @@ impl<'a> Block<'a> {
 /// Asks for entries that are read soon: fronts are short, and what comes after
 /// one is more than the processor guesses.
 #[inline(always)]
-pub fn prefetch(entries: &[f32]) {
+pub fn prefetch<T>(entries: &[T]) {
     #[cfg(target_arch = "x86_64")]
     for line in entries.chunks(16) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -97,7 +97,11 @@ fn subtract_columns<S: Simd, const N: usize>(
     for (v, &x) in x_of.iter_mut().zip(x) {
         *v = simd.splat_f32s(x);
     }
-    let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * stride..][..rows]);
+    // Not `from_fn`, which may be a function of its own that knows nothing of vectors.
+    let mut columns: [&[f32]; N] = [&[]; N];
+    for (k, column) in columns.iter_mut().enumerate() {
+        *column = &a[k * stride..][..rows];
+    }
     let mut i = 0;
     while rows - i >= S::F32_LANES {
         let (y, _) = S::as_mut_simd_f32s(&mut y[i..i + S::F32_LANES]);
@@ -166,7 +170,11 @@ fn dot<S: Simd>(simd: S, a: &[f32], y: &[f32]) -> f32 {
 #[inline(always)]
 fn dots<S: Simd, const N: usize>(simd: S, x: &mut [f32], a: &[f32], stride: usize, y: &[f32]) {
     let rows = y.len();
-    let columns: [&[f32]; N] = std::array::from_fn(|k| &a[k * stride..][..rows]);
+    // Not `from_fn`, which may be a function of its own that knows nothing of vectors.
+    let mut columns: [&[f32]; N] = [&[]; N];
+    for (k, column) in columns.iter_mut().enumerate() {
+        *column = &a[k * stride..][..rows];
+    }
     let mut sums = [simd.splat_f32s(0.0); N];
     let mut i = 0;
     while rows - i >= S::F32_LANES {

@@ -23,6 +23,7 @@ mod apply;
 mod assemble;
 mod dense;
 mod lanes;
+mod narrow;
 mod numeric;
 mod pivot;
 mod plan;
@@ -31,10 +32,13 @@ mod supernodes;
 mod symbolic;
 mod system;
 
+use rayon::prelude::*;
+
 use super::{
     Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
     ordering, require_size,
 };
+use crate::solver::tree::NONE;
 use apply::Solve;
 use numeric::{Entries, Factorization, Stopped};
 use plan::Plan;
@@ -47,6 +51,9 @@ const NAME: &str = "frontal";
 /// A pivot below this part of the diagonal entry is round-off of the matrix
 /// itself.
 const PIVOT_LIMIT: f64 = 1e-14;
+
+/// Entries of a vector that one thread takes at a time.
+const CHUNK: usize = 8192;
 
 /// Most corrections of a solve, and what they may leave at the end, relative to
 /// the solution.
@@ -108,14 +115,14 @@ impl Symbolic for Analyzed {
 
     fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
         let n = self.pattern.n;
-        let size = self.pattern.start[self.pattern.supernodes()];
+        let size = self.pattern.start[self.pattern.supernodes()] + narrow::SLACK;
         let out_of_memory = |_| SolverError::OutOfMemory { solver: NAME, phase: "factor", n };
-        let mut entries = Entries::default();
-        entries.l.try_reserve_exact(size).map_err(out_of_memory)?;
-        entries.l.resize(size, 0.0);
-        entries.inverse = vec![0.0; n];
+        // Zeros as the system hands them out: their pages come where they are written
+        // first, on all threads.
+        let l = bytemuck::allocation::try_zeroed_vec(size).map_err(out_of_memory)?;
+        let entries = Entries { l, inverse: vec![0.0; n] };
         let mut factor = FrontalFactor {
-            vectors: vec![0.0; self.plan.vectors],
+            vectors: vec![0.0; self.plan.unknown.len()],
             residual: vec![0.0; n],
             correction: vec![0.0; n],
             system: System::default(),
@@ -174,24 +181,51 @@ impl FrontalFactor {
         }
     }
 
-    /// x = A⁻¹ b to single precision.
-    fn apply(&mut self, b: &[f64], x: &mut [f64]) {
+    /// x = A⁻¹ b to single precision, for a right-hand side of this size.
+    fn apply(&mut self, b: &[f64], largest: f64, x: &mut [f64]) {
         let Analyzed { pattern, plan, .. } = &self.analyzed;
-        let largest = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         if largest == 0.0 {
             x.fill(0.0);
             return;
         }
         let vectors = &mut self.vectors;
-        vectors.fill(0.0);
-        for (v, &place) in b.iter().zip(&plan.place) {
-            vectors[place as usize] = (v / largest) as f32;
+        let part = |(out, unknowns): (&mut [f32], &[u32])| {
+            for (v, &unknown) in out.iter_mut().zip(unknowns) {
+                *v = if unknown == NONE { 0.0 } else { (b[unknown as usize] / largest) as f32 };
+            }
+        };
+        if plan.is_shared() {
+            let parts = vectors.par_chunks_mut(CHUNK).zip(plan.unknown.par_chunks(CHUNK));
+            parts.for_each(part);
+        } else {
+            part((vectors, &plan.unknown));
         }
         Solve { pattern, plan, entries: &self.entries }.run(vectors);
         let scale = largest * self.system.scale;
-        for (x, &place) in x.iter_mut().zip(&plan.place) {
-            *x = f64::from(vectors[place as usize]) * scale;
+        let vectors = &*vectors;
+        let part = |(x, places): (&mut [f64], &[u32])| {
+            for (x, &place) in x.iter_mut().zip(places) {
+                *x = f64::from(vectors[place as usize]) * scale;
+            }
+        };
+        if plan.is_shared() {
+            x.par_chunks_mut(CHUNK).zip(plan.place.par_chunks(CHUNK)).for_each(part);
+        } else {
+            part((x, &plan.place));
         }
+    }
+
+    /// Size of a right-hand side.
+    fn size_of(&self, b: &[f64]) -> Result<f64, SolverError> {
+        let size = match self.analyzed.plan.is_shared() {
+            true => b.par_chunks(CHUNK).map(norm).reduce(|| 0.0, |a, b| norm(&[a, b])),
+            false => norm(b),
+        };
+        if size.is_finite() {
+            return Ok(size);
+        }
+        let row = b.iter().position(|v| !v.is_finite()).unwrap_or(0);
+        Err(SolverError::RightHandSideNotFinite { row, value: b[row] })
     }
 }
 
@@ -204,16 +238,18 @@ impl Factor for FrontalFactor {
         let n = self.analyzed.pattern.n;
         require_size("the right-hand side", n, b.len())?;
         require_size("the solution", n, x.len())?;
-        if let Some(row) = b.iter().position(|v| !v.is_finite()) {
-            return Err(SolverError::RightHandSideNotFinite { row, value: b[row] });
-        }
-        self.apply(b, x);
+        let size = self.size_of(b)?;
+        self.apply(b, size, x);
         let mut residual = std::mem::take(&mut self.residual);
         let mut correction = std::mem::take(&mut self.correction);
         let (mut last, mut stalled) = (norm(x), 0);
         for _ in 0..CORRECTIONS {
             self.system.residual(b, x, &mut residual);
-            self.apply(&residual, &mut correction);
+            let size = norm(&residual);
+            if size.is_nan() {
+                break;
+            }
+            self.apply(&residual, size, &mut correction);
             let size = norm(&correction);
             // One that does not shrink may have been behind the noise of the
             // one before; two are round-off.
@@ -237,10 +273,8 @@ impl Factor for FrontalFactor {
         let n = self.analyzed.pattern.n;
         require_size("the residual", n, r.len())?;
         require_size("the correction", n, x.len())?;
-        if let Some(row) = r.iter().position(|v| !v.is_finite()) {
-            return Err(SolverError::RightHandSideNotFinite { row, value: r[row] });
-        }
-        self.apply(r, x);
+        let size = self.size_of(r)?;
+        self.apply(r, size, x);
         Ok(())
     }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::assemble;
 use super::dense::{self, Block};
+use super::narrow;
 use super::pivot;
 use super::plan::Plan;
 use super::shape::Shape;
@@ -148,6 +149,9 @@ impl Factorization<'_> {
         let mut entries = vec![0.0; Shape { width: shape.edge, edge: 0 }.len()];
         complement(shape, l, &mut entries, shared);
         assemble::rest(pattern, children, shape, &mut entries, shared);
+        if narrow::is_narrow(shape) {
+            narrow::stack(shape, l);
+        }
         excess.drain(..shape.width);
         Ok(Update { from: s, entries, excess })
     }

@@ -43,8 +43,8 @@ pub struct Plan {
     pub local: Vec<u32>,
     /// Where each unknown lies among the vectors, by the caller's numbers.
     pub place: Vec<u32>,
-    /// Length of all vectors.
-    pub vectors: usize,
+    /// The unknown that lies at each place; [`NONE`] for rows of edges and for room.
+    pub unknown: Vec<u32>,
 }
 
 impl Plan {
@@ -104,7 +104,11 @@ impl Plan {
             }
         }
         let (local, place) = places(pattern, &tasks);
-        Plan { tasks, roots, local, place, vectors }
+        let mut unknown = vec![NONE; vectors];
+        for (u, &place) in place.iter().enumerate() {
+            unknown[place as usize] = u as u32;
+        }
+        Plan { tasks, roots, local, place, unknown }
     }
 
     /// Longest way from a root.
@@ -117,9 +121,15 @@ impl Plan {
         depth.into_iter().max().unwrap_or(0)
     }
 
+    /// True where there is enough to do for several threads.
+    pub fn is_shared(&self) -> bool {
+        self.tasks.len() > 1
+    }
+
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        4 * (self.local.len() + self.place.len()) + self.tasks.len() * size_of::<Task>()
+        4 * (self.local.len() + self.place.len() + self.unknown.len())
+            + self.tasks.len() * size_of::<Task>()
     }
 }
 
