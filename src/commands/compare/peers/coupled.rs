@@ -97,6 +97,8 @@ pub struct Inside {
 #[derive(Serialize, Deserialize)]
 pub struct InsideSide {
     pub solver: String,
+    /// Whether the scene says [`TOLERANCE`], as that of coupled steps does.
+    pub rough: bool,
     pub unknowns: f64,
     pub nnz_l: f64,
     /// Of each step but the first (s).
@@ -209,20 +211,23 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
     let runs = if placed.spheres > LARGE { 1 } else { contest.runs.min(2) };
     // A check takes a factorization by CHOLMOD.
     let checks = if placed.spheres > LARGE { vec![steps] } else { vec![steps / 2, steps] };
-    let mut solvers = vec!["cholmod"];
-    solvers.extend(Some(contest.ours).filter(|&ours| ours != "cholmod"));
+    let mut solvers = vec![("cholmod", false)];
+    if contest.ours != "cholmod" {
+        solvers.extend([(contest.ours, false), (contest.ours, true)]);
+    }
     let mut sides: Vec<InsideSide> = vec![];
     for number in 0..runs {
-        for &solver in &solvers {
-            let scene = scene(placed, steps as u64, "", solver);
-            let name = format!("inside-{}-{solver}-run{number}", placed.spheres);
+        for &(solver, rough) in &solvers {
+            let (keys, kind) = if rough { (TOLERANCE, "-rough") } else { ("", "") };
+            let scene = scene(placed, steps as u64, keys, solver);
+            let name = format!("inside-{}-{solver}{kind}-run{number}", placed.spheres);
             let job = Run { scene, steps, checks: checks.clone(), run: number };
             let done = run(contest, &name, job)?;
             let residual = worst(done.residuals.iter().copied());
             let error = worst(done.pressure_errors.iter().copied());
             // The first steps have nothing to start from.
             let solves = &done.solve_s[done.solve_s.len().min(10)..];
-            match sides.iter_mut().find(|side| side.solver == solver) {
+            match sides.iter_mut().find(|s| s.solver == solver && s.rough == rough) {
                 Some(side) => {
                     side.solve_s.0.extend(solves);
                     side.residual = worst([side.residual, residual]);
@@ -230,6 +235,7 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
                 }
                 None => sides.push(InsideSide {
                     solver: solver.to_owned(),
+                    rough,
                     unknowns: done.unknowns,
                     nnz_l: done.nnz_l,
                     solve_s: Sample(solves.to_vec()),
@@ -240,6 +246,13 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
         }
     }
     Ok(Inside { spheres: placed.spheres, steps, sides })
+}
+
+impl Inside {
+    /// A solver's side, if it was measured.
+    pub fn side(&self, solver: &str, rough: bool) -> Option<&InsideSide> {
+        self.sides.iter().find(|side| side.solver == solver && side.rough == rough)
+    }
 }
 
 impl Case {

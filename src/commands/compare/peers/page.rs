@@ -338,16 +338,19 @@ fn inside(results: &Results) -> String {
     let mut text = "\n## A solve in the time loop\n\nThe coupled specimen with one solver and the \
                     other, by turns, between remeshes; the first ten steps are not counted. A solve \
                     is all between the rates of volume and the pressures: right-hand side, \
-                    prediction, refinement.\n\n| spheres | unknowns | solver | ms a solve | \
-                    residual | largest error of a pressure |\n|--:|--:|:--|--:|--:|--:|\n"
+                    prediction, refinement. Tolerance: what the scene says a solve may leave, of \
+                    fluid mass and of the estimated error.\n\n| spheres | unknowns | solver | tolerance | \
+                    ms a solve | residual | largest error of a pressure |\n\
+                    |--:|--:|:--|--:|--:|--:|--:|\n"
         .to_owned();
     for case in &results.inside {
         for side in &case.sides {
             text += &format!(
-                "| {} | {} | {} | {} | {:.1e} | {:.1e} |\n",
+                "| {} | {} | {} | {} | {} | {:.1e} | {:.1e} |\n",
                 count(case.spheres as u64),
                 count(side.unknowns as u64),
                 side.solver,
+                if side.rough { "1e-7" } else { "1e-11" },
                 side.solve_s.show(1e-3),
                 side.residual,
                 side.pressure_error,
