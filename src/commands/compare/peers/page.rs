@@ -145,7 +145,9 @@ fn coupled(contest: &Contest, results: &Results) -> String {
                     k_s/k_n = 0.5, 30° friction, 1 kPa held on `y_max` by a servo, drained there, \
                     μ = 1 mPa·s, Δt = 1 µs, YADE's clamp on in both programs, a remesh every 200 \
                     steps; ours with `tolerance = 1e-7`, what came of it is below. Ours: whole intervals from one remesh to the next, by the clock. YADE: \
-                    the mean of the steps between remeshes and a remesh's time over 200.\n\n\
+                    the mean of the steps between remeshes and a remesh's time over 200. The \
+                    contest compares remeshes that stop the steps in both programs; YADE's own \
+                    background thread was not tried, and ours takes a second pool of threads.\n\n\
                     | spheres | pores | YADE, ms | dempfv, remesh in turn, ms | in the background, \
                     ms | YADE without remeshes, ms | dempfv without, ms |\n\
                     |--:|--:|--:|--:|--:|--:|--:|\n"
@@ -308,9 +310,12 @@ fn linear(results: &Results) -> String {
 
 fn follow(results: &Results) -> String {
     let mut text = format!(
-        "\n## The ordering at a remesh\n\nEach sphere moves at random by up to {} % of the mean \
-         radius along each axis, and the network is built anew. The ordering that follows takes the \
-         separators of the network before along by place; beside it one of its own. METIS: CHOLMOD's \
+        "\n## An ordering that follows small motion\n\nA function of the library (`Ordering::follow`); \
+         the time loop does not call it, since its results would then depend on all remeshes before. \
+         Each sphere moves at random by up to {} % of the mean \
+         radius along each axis, and the network is built anew. The ordering that follows takes \
+         separators and turns of the network before along by place, once after an ordering made anew; \
+         beside it one of its own. METIS: CHOLMOD's \
          ordering and analysis above, of the network before.\n\n| unknowns | new pores | follows, \
          ms | its own, ms | METIS, ms | nnz(L), follows | its own | METIS |\n\
          |--:|--:|--:|--:|--:|--:|--:|--:|\n",
@@ -339,7 +344,8 @@ fn inside(results: &Results) -> String {
                     other, by turns, between remeshes; the first ten steps are not counted. A solve \
                     is all between the rates of volume and the pressures: right-hand side, \
                     prediction, refinement. Tolerance: what the scene says a solve may leave, of \
-                    fluid mass and of the estimated error.\n\n| spheres | unknowns | solver | tolerance | \
+                    fluid mass and of the estimated error. CHOLMOD's solve uses one thread of the BLAS \
+                    here.\n\n| spheres | unknowns | solver | tolerance | \
                     ms a solve | residual | largest error of a pressure |\n\
                     |--:|--:|:--|--:|--:|--:|--:|\n"
         .to_owned();

@@ -1,6 +1,6 @@
 //! The eight rows of the contest: what was measured, what must be reached, what is aimed at.
 
-use super::coupled::{self, Way};
+use super::coupled::{self, TOLERANCE, Way};
 use super::follow;
 use super::linear::{self, CHOLMOD, PARDISO_NAME, Side};
 use super::sample::worst;
@@ -178,24 +178,22 @@ fn dry(case: &super::dry::Case) -> Row {
     }
 }
 
-/// Ours in the faster of its ways, remeshes included on both sides; beside it the ratio
-/// without remeshes.
+/// A step with its share of a remesh, which stops the steps in both programs. Beside it
+/// what our background makes of it, and steps without remeshes.
 fn coupled(case: &coupled::Case) -> Row {
-    let best = case.fastest();
-    let apart = case.ours.iter().find(|side| side.way == Way::InTurn);
-    let ratio = best.map(|best| case.yade_s.median() / best.whole_s.median());
-    let detail = best.zip(apart).map(|(best, apart)| {
-        let way = match best.way {
-            Way::InTurn => "remesh in turn",
-            Way::Background => "remesh in the background",
-        };
+    let side = |way: Way| case.ours.iter().find(|side| side.way == way);
+    let ratio = side(Way::InTurn).map(|ours| case.yade_s.median() / ours.whole_s.median());
+    let detail = side(Way::InTurn).zip(side(Way::Background)).map(|(ours, background)| {
         format!(
-            "{} ({way}) against {}; without remeshes {} against {}: {}×",
-            milliseconds(best.whole_s.median()),
+            "{} against {}, remeshes in turn; ours with remeshes in the background {}; without \
+             remeshes {} against {}: {}×; {}",
+            milliseconds(ours.whole_s.median()),
             milliseconds(case.yade_s.median()),
-            milliseconds(apart.step_s.median()),
+            milliseconds(background.whole_s.median()),
+            milliseconds(ours.step_s.median()),
             milliseconds(case.yade_step_s.median()),
-            three_digits(case.yade_step_s.median() / apart.step_s.median()),
+            three_digits(case.yade_step_s.median() / ours.step_s.median()),
+            TOLERANCE.trim(),
         )
     });
     let error = worst(case.pressure.pressure_errors.iter().copied());
@@ -280,7 +278,7 @@ fn ordering_again(case: &follow::Case, results: &Results) -> Row {
     let ours = case.follow_s.median();
     Row {
         number: 5,
-        what: "ordering at a remesh",
+        what: "ordering that follows small motion (library)",
         on: unknowns(case.unknowns),
         value: metis.as_ref().map(|m| ours / m.analyze_s.median()).map_err(Clone::clone),
         bound: Bound::at_most(1.0 / 15.0, None, " × METIS"),
@@ -362,7 +360,8 @@ fn inside(contest: &Contest, case: &coupled::Inside, results: &Results) -> Row {
             let times = [ours.solve_s.median(), peer.solve_s.median(), plain].map(milliseconds);
             let rough = case.side(contest.ours, true).map_or(String::new(), |side| {
                 let time = milliseconds(side.solve_s.median());
-                format!("; {time} where pressures may err by {:.0e}", side.pressure_error)
+                let error = side.pressure_error;
+                format!("; with {} {time}, largest error seen {error:.0e}", TOLERANCE.trim())
             });
             format!("{} against {} in our loop and {} plain{rough}", times[0], times[1], times[2])
         }),
