@@ -5,7 +5,7 @@
 mod solver_systems;
 
 use dempfv::solver::{Factor, SolverError, SolverKind, SymmetricCsc};
-use solver_systems::{laplacian, network, numbers};
+use solver_systems::{bar, laplacian, network, numbers, with_conductances};
 
 fn factor_of(a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
     SolverKind::Frontal.backend().analyze(a, None)?.factor(a)
@@ -54,6 +54,24 @@ fn a_solve_has_the_digits_of_double_precision() {
         let difference = largest(ours.iter().zip(&theirs).map(|(a, b)| a - b));
         assert!(difference < 1e-7 * largest(theirs.iter().copied()), "{m}: {difference:e}");
     }
+}
+
+/// A bar's separators are 16 columns wide: fronts above the subtrees that are one narrow
+/// block each.
+#[test]
+fn narrow_fronts_above_subtrees() {
+    let a = with_conductances(bar(4, 20_000), 17);
+    let b = numbers(a.n, 18);
+    let solved = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut x = vec![0.0; a.n];
+            let residual = factor_of(&a).unwrap().solve_checked(&a, &b, &mut x).unwrap();
+            assert!(residual < 1e-15, "{residual:e}");
+            x
+        })
+    };
+    assert!(solved(1) == solved(2));
 }
 
 /// 34³ unknowns: subtrees, fronts of many tiles, tiles that share their work.

@@ -5,7 +5,7 @@ use super::carry::Carried;
 use super::course::Course;
 use super::follow::Follower;
 use super::iterate::Gradients;
-use super::operators::parts;
+use super::operators::{SERIAL, parts};
 use super::{Fluid, Network, Operators, PfvError};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
@@ -229,6 +229,14 @@ impl Flow {
     /// # Errors
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<()> {
+        match self.operators.unknowns() {
+            few if few < SERIAL => self.solve_pressure(),
+            // A thread from outside waits for the pool once, not for each loop.
+            _ => rayon::scope(|_| self.solve_pressure()),
+        }
+    }
+
+    fn solve_pressure(&mut self) -> Result<()> {
         self.course.predict();
         self.operators.pressures(&self.course.now, &mut self.pressure);
         let check = self.course.gain_is_due();

@@ -37,7 +37,7 @@ impl Solve<'_> {
             self.forward(&self.plan.roots, vectors, 0);
             self.backward(&self.plan.roots, vectors, 0);
         };
-        if self.plan.is_shared() {
+        if self.plan.is_shared {
             // A thread from outside waits for the pool once, not for each task.
             rayon::scope(|_| both(vectors));
         } else {

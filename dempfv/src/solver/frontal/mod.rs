@@ -194,7 +194,7 @@ impl FrontalFactor {
                 *v = if unknown == NONE { 0.0 } else { (b[unknown as usize] / largest) as f32 };
             }
         };
-        if plan.is_shared() {
+        if plan.is_shared {
             let parts = vectors.par_chunks_mut(CHUNK).zip(plan.unknown.par_chunks(CHUNK));
             parts.for_each(part);
         } else {
@@ -208,7 +208,7 @@ impl FrontalFactor {
                 *x = f64::from(vectors[place as usize]) * scale;
             }
         };
-        if plan.is_shared() {
+        if plan.is_shared {
             x.par_chunks_mut(CHUNK).zip(plan.place.par_chunks(CHUNK)).for_each(part);
         } else {
             part((x, &plan.place));
@@ -217,7 +217,7 @@ impl FrontalFactor {
 
     /// Size of a right-hand side.
     fn size_of(&self, b: &[f64]) -> Result<f64, SolverError> {
-        let size = match self.analyzed.plan.is_shared() {
+        let size = match self.analyzed.plan.is_shared {
             true => b.par_chunks(CHUNK).map(norm).reduce(|| 0.0, |a, b| norm(&[a, b])),
             false => norm(b),
         };

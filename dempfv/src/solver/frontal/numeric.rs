@@ -25,7 +25,8 @@ pub struct Update {
 /// Where a factorization stopped: a column of the factor.
 pub struct Stopped(pub usize);
 
-/// The factor: entries and inverses of the diagonal.
+/// The factor: entries (narrow fronts as blocks, and some slack at the end) and inverses
+/// of the diagonal.
 #[derive(Default)]
 pub struct Entries {
     pub l: Vec<f32>,
@@ -45,7 +46,7 @@ pub struct Factorization<'a> {
 }
 
 impl Factorization<'_> {
-    /// Factors into memory of the right size.
+    /// Factors into memory of the right size or more.
     pub fn run(&self, into: &mut Entries) -> Result<(), Stopped> {
         let Entries { l, inverse } = into;
         self.tasks(&self.plan.roots, l, inverse, &mut vec![]).map(|_| ())

@@ -45,6 +45,8 @@ pub struct Plan {
     pub place: Vec<u32>,
     /// The unknown that lies at each place; [`NONE`] for rows of edges and for room.
     pub unknown: Vec<u32>,
+    /// True where there is enough to do for several threads.
+    pub is_shared: bool,
 }
 
 impl Plan {
@@ -52,7 +54,8 @@ impl Plan {
         let total = pattern.start[pattern.supernodes()];
         let small = if total <= SMALL { usize::MAX } else { total / PARTS };
         let plan = Plan::cut(pattern, small);
-        if plan.depth() <= DEEPEST { plan } else { Plan::cut(pattern, usize::MAX) }
+        let plan = if plan.depth() <= DEEPEST { plan } else { Plan::cut(pattern, usize::MAX) };
+        Plan { is_shared: total > SMALL && plan.tasks.len() > 1, ..plan }
     }
 
     /// Entries of the factor in a range of supernodes.
@@ -108,7 +111,7 @@ impl Plan {
         for (u, &place) in place.iter().enumerate() {
             unknown[place as usize] = u as u32;
         }
-        Plan { tasks, roots, local, place, unknown }
+        Plan { tasks, roots, local, place, unknown, is_shared: false }
     }
 
     /// Longest way from a root.
@@ -119,11 +122,6 @@ impl Plan {
             depth[t] = 1 + below.unwrap_or(0);
         }
         depth.into_iter().max().unwrap_or(0)
-    }
-
-    /// True where there is enough to do for several threads.
-    pub fn is_shared(&self) -> bool {
-        self.tasks.len() > 1
     }
 
     /// Bytes held.

@@ -11,6 +11,9 @@ use super::{Ordering, require_points, turns_at};
 /// factor of a packing has about as much more entries than with an ordering of its own.
 const HEAVIER: f64 = 1.12;
 
+/// After so many followings leaves are ordered anew, whose decay no weight tells.
+const MOST: u32 = 16;
+
 /// No leaf may hold more of the vertices than this many times its share.
 const LARGEST: usize = 8;
 
@@ -27,6 +30,10 @@ impl Ordering {
     /// As [`order`](super::order).
     pub fn follow(&self, a: &SymmetricCsc, points: &[[f64; 3]]) -> Ordering {
         require_points(a, points);
+        let grown = a.n.max(self.part.len()) > 2 * a.n.min(self.part.len());
+        if grown || self.followed >= MOST {
+            return Ordering::new(a, points);
+        }
         let graph = Graph::whole(a, points);
         // Without an old unknown to follow, last, in the separator of the whole.
         let (last, root) = (self.part.len(), self.tree.len().saturating_sub(1) as u32);
@@ -57,6 +64,7 @@ impl Ordering {
             tree: self.tree.clone(),
             part,
             weight: self.weight,
+            followed: self.followed + 1,
         }
     }
 }

@@ -76,6 +76,8 @@ pub struct Ordering {
     part: Vec<u32>,
     /// Weight of the separators when they were found.
     weight: f64,
+    /// How often the network has moved since then.
+    followed: u32,
 }
 
 impl Ordering {
@@ -93,7 +95,7 @@ impl Ordering {
         let points: Vec<_> = points.iter().map(|p| p.map(|x| x as f32)).collect();
         let in_order: Vec<u32> = permutation.iter().map(|&unknown| unknown as u32).collect();
         let turns = turns_at(&points, &in_order);
-        Ordering { permutation, tree, turns, part, weight }
+        Ordering { permutation, tree, turns, part, weight, followed: 0 }
     }
 
     /// Entry k is the unknown that is eliminated as the k-th.

@@ -1,4 +1,4 @@
-//! Which part of a dissection lies where: the nearest of the points that it was made of.
+//! What is known at places, and looked up by the nearest of them.
 
 /// Points in cells, about one in each.
 #[derive(Clone, Debug)]
