@@ -211,6 +211,22 @@ fn a_dissection_follows_the_network() {
     assert!((10..16).contains(&kept), "{kept} were carried over");
 }
 
+/// What decays unseen is made anew after 16 followings; so is what is not small any more.
+#[test]
+fn a_dissection_does_not_follow_for_ever() {
+    let (a, points) = packing(1_000);
+    let (b, moved) = moved(1_000, 0.05);
+    let mut ordering = Ordering::new(&a, &points);
+    for _ in 0..16 {
+        ordering = ordering.follow(&b, &moved);
+        assert!(ordering.permutation() != order(&b, &moved));
+    }
+    assert_eq!(ordering.follow(&b, &moved).permutation(), order(&b, &moved));
+    let (large, places) = packing(5_000);
+    let own = order(&large, &places);
+    assert_eq!(Ordering::new(&a, &points).follow(&large, &places).permutation(), own);
+}
+
 /// Whatever the next network is, the result orders it.
 #[test]
 fn any_network_may_follow_any_other() {

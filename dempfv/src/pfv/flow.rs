@@ -229,10 +229,11 @@ impl Flow {
     /// # Errors
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<()> {
-        match self.operators.unknowns() {
-            few if few < SERIAL => self.solve_pressure(),
+        if self.operators.unknowns() < SERIAL {
+            self.solve_pressure()
+        } else {
             // A thread from outside waits for the pool once, not for each loop.
-            _ => rayon::scope(|_| self.solve_pressure()),
+            rayon::scope(|_| self.solve_pressure())
         }
     }
 

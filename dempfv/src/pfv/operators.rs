@@ -394,3 +394,18 @@ impl Column {
         column
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every number counts once, few or many: 0 + 1 + … + (n − 1) = n (n − 1) / 2, exactly.
+    #[test]
+    fn parts_are_the_whole() {
+        for n in [0, 1, 63, 64, 65, SERIAL - 1, SERIAL, SERIAL + 77] {
+            let x: Vec<f64> = (0..n).map(|k| k as f64).collect();
+            let sum = parts(&x, |part| part.iter().sum(), 0.0, |a: f64, b| a + b);
+            assert_eq!(sum, (n * n.saturating_sub(1) / 2) as f64);
+        }
+    }
+}

@@ -109,7 +109,7 @@ impl Solve<'_> {
         let l = self.front(s);
         let edge = &mut edge[..shape.edge];
         if narrow::is_narrow(shape) {
-            pulp::Arch::new().dispatch(Alone::<true> { shape, l, x, edge });
+            pulp::Arch::new().dispatch(Narrow::<true> { shape, l, x, edge });
         } else {
             forward_front(shape, l, x, edge, shape.len() >= SHARED);
         }
@@ -176,7 +176,7 @@ impl Solve<'_> {
         let l = self.front(s);
         if narrow::is_narrow(shape) {
             let edge = &mut edge[..shape.edge];
-            pulp::Arch::new().dispatch(Alone::<false> { shape, l, x, edge });
+            pulp::Arch::new().dispatch(Narrow::<false> { shape, l, x, edge });
         } else {
             backward_front(shape, l, x, &edge[..shape.edge], shape.len() >= SHARED);
         }
@@ -278,24 +278,24 @@ impl<const FORWARD: bool> pulp::WithSimd for Subtree<'_, FORWARD> {
     }
 }
 
-/// A front's part of a solve, by one thread.
-struct Alone<'a, const FORWARD: bool> {
+/// A narrow front's part of a solve.
+struct Narrow<'a, const FORWARD: bool> {
     shape: Shape,
     l: &'a [f32],
     x: &'a mut [f32],
     edge: &'a mut [f32],
 }
 
-impl<const FORWARD: bool> pulp::WithSimd for Alone<'_, FORWARD> {
+impl<const FORWARD: bool> pulp::WithSimd for Narrow<'_, FORWARD> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Alone { shape, l, x, edge } = self;
+        let Narrow { shape, l, x, edge } = self;
         if FORWARD {
-            forward_alone(simd, shape, l, x, edge);
+            narrow::forward(simd, shape, l, x, edge);
         } else {
-            backward_alone(simd, shape, l, x, edge);
+            narrow::backward(simd, shape, l, x, edge);
         }
     }
 }

@@ -246,9 +246,6 @@ impl Factor for FrontalFactor {
         for _ in 0..CORRECTIONS {
             self.system.residual(b, x, &mut residual);
             let size = norm(&residual);
-            if size.is_nan() {
-                break;
-            }
             self.apply(&residual, size, &mut correction);
             let size = norm(&correction);
             // One that does not shrink may have been behind the noise of the

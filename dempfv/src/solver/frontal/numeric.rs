@@ -27,7 +27,6 @@ pub struct Stopped(pub usize);
 
 /// The factor: entries (narrow fronts as blocks, and some slack at the end) and inverses
 /// of the diagonal.
-#[derive(Default)]
 pub struct Entries {
     pub l: Vec<f32>,
     pub inverse: Vec<f32>,

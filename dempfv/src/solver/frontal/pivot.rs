@@ -71,7 +71,7 @@ pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> 
             subtract_product(&mut strip[from..], w, a, b, from, 1.0);
             for k in 0..from {
                 let y = rest[k];
-                for (z, l) in rest_of(rest, from, to).iter_mut().zip(&done[k * w + from..]) {
+                for (z, l) in rest[from..to].iter_mut().zip(&done[k * w + from..]) {
                     *z -= y * l;
                 }
             }
@@ -79,10 +79,6 @@ pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> 
         pulp::Arch::new().dispatch(Strip { t, rest, inverse, from, to })?;
     }
     Ok(())
-}
-
-fn rest_of(rest: &mut [f32], from: usize, to: usize) -> &mut [f32] {
-    &mut rest[from..to]
 }
 
 struct Strip<'a> {
