@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
+mod awake;
 pub mod coupling;
 pub mod dem;
 mod domain;

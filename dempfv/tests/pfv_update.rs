@@ -144,7 +144,7 @@ fn exact(flow: &Flow) -> Vec<f64> {
     let mut pressure = vec![0.0; flow.network.pores()];
     for _ in 0..5 {
         operators.pressures(&x, &mut pressure);
-        operators.surplus(&flow.network, &pressure, flow.volume_rate(), &mut r);
+        operators.surplus(&pressure, flow.volume_rate(), &mut r);
         factor.solve(&r, &mut c).unwrap();
         x.iter_mut().zip(&c).for_each(|(x, c)| *x += c);
     }

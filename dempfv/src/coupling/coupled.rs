@@ -11,11 +11,15 @@ use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
 use super::stability;
 use super::wet::{Motion, Place, Wet};
+use crate::awake::awake;
 use crate::dem::{Dem, DemError, WallControl};
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
-use crate::scene::{Acceleration, Update};
+use crate::scene::{Acceleration, RemeshMode, Update};
 use crate::solver::SolverKind;
 use crate::{Result, Vec3};
+
+/// With fewer spheres than this most of a step is done by one thread.
+const AWAKE: usize = 2_000;
 
 /// A fluid in the pores: what it is, and how its flow is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +138,15 @@ impl Coupled {
     /// that of a failed step. [`Error::Snapshot`](crate::Error::Snapshot) for a
     /// network that was built from the positions of an earlier step.
     pub fn step(&mut self, dt: f64) -> Result<()> {
+        let beside = self.networks.acceleration().remesh == RemeshMode::Background;
+        if self.dem.particles().len() < AWAKE || beside {
+            self.step_now(dt)
+        } else {
+            awake(|| self.step_now(dt))
+        }
+    }
+
+    fn step_now(&mut self, dt: f64) -> Result<()> {
         let Some(saturation) = self.saturation else { return self.dry_step(dt) };
         let mut start = Instant::now();
         let beside = self.networks.acceleration().parallel_tasks

@@ -283,9 +283,9 @@ impl Flow {
 
     /// One solve for the change of the pressures.
     fn correct_pressure(&mut self) -> Result<()> {
-        let Flow { network, operators, course, correction, pressure, volume_rate, rhs, .. } = self;
+        let Flow { operators, course, correction, pressure, volume_rate, rhs, .. } = self;
         let Some(factor) = &mut self.factor else { return Ok(()) };
-        operators.surplus(network, pressure, volume_rate, rhs);
+        operators.surplus(pressure, volume_rate, rhs);
         if self.residual.is_none() {
             self.residual = Some(factor.correct_checked(&operators.matrix, rhs, correction)?);
         } else {

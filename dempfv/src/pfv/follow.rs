@@ -260,6 +260,7 @@ impl Follower {
             };
         });
         outlets.follow(&network.throats.conductance);
+        operators.join_anew(network);
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::follow::Weakened;
 use super::operators::{SERIAL, TASK, for_each};
-use super::{Boundary, Flow, NONE, Network, Operators};
+use super::{Boundary, Flow, Operators};
 use crate::Result;
 
 /// Most applications of the factor in a solve.
@@ -67,7 +67,7 @@ impl Flow {
     }
 
     fn improve(&mut self, tolerance: f64) -> Result<Iterations> {
-        let Flow { network, operators, course, correction, pressure, rhs, .. } = self;
+        let Flow { operators, course, correction, pressure, rhs, .. } = self;
         let mut went = Iterations::default();
         let Some(factor) = &mut self.factor else { return Ok(went) };
         let weakened = self.follower.as_ref().map_or(&[][..], |f| f.weakened());
@@ -76,7 +76,7 @@ impl Flow {
         let solution = &mut course.now;
         gradients.fit(solution.len(), pressure.len());
         operators.pressures(solution, pressure);
-        operators.surplus(network, pressure, &self.volume_rate, rhs);
+        operators.surplus(pressure, &self.volume_rate, rhs);
         let (level, round_off) = datum(&operators.boundary, solution.len());
         let (mut last, mut alpha, mut fall) = (0.0, 0.0, 0.0);
         loop {
@@ -89,7 +89,7 @@ impl Flow {
                 _ => -alpha * gradients.dot_product(correction) / fall,
             };
             fall = gradients.dot(rhs, correction);
-            let curvature = gradients.turn(network, operators, correction, beta);
+            let curvature = gradients.turn(operators, correction, beta);
             // Nothing is left, or nothing can be told apart from round-off.
             if curvature <= 0.0 {
                 break;
@@ -120,18 +120,12 @@ impl Gradients {
     }
 
     /// Turns the direction `d` by β and returns `d · G d`.
-    fn turn(
-        &mut self,
-        network: &Network,
-        operators: &Operators,
-        correction: &[f64],
-        beta: f64,
-    ) -> f64 {
+    fn turn(&mut self, operators: &Operators, correction: &[f64], beta: f64) -> f64 {
         for_each(&mut self.direction, &|u, d| *d = correction[u] + beta * *d);
         for (d, &pore) in self.direction.iter().zip(&operators.pore_of) {
             self.spread[pore as usize] = *d;
         }
-        operators.conduct(network, &self.spread, &mut self.product);
+        operators.conduct(&self.spread, &mut self.product);
         dot(&self.direction, &self.product, &mut self.parts)
     }
 
@@ -179,22 +173,6 @@ fn strengthen(weakened: &[Weakened], residual: &[f64], correction: &mut [f64]) {
         if let Some(c) = correction.get_mut(v) {
             *c -= step;
         }
-    }
-}
-
-impl Operators {
-    /// `G d` throat by throat (see [`Operators::surplus`]), for `d` spread over
-    /// all pores.
-    fn conduct(&self, network: &Network, spread: &[f64], out: &mut [f64]) {
-        for_each(out, &|u, product| {
-            let i = self.pore_of[u] as usize;
-            let around = network.tessellation.neighbors[i].into_iter();
-            *product = around
-                .zip(network.conductances_of(i))
-                .filter(|(j, _)| *j != NONE)
-                .map(|(j, g)| g * (spread[i] - spread[j as usize]))
-                .fold(0.0, |sum, flow| sum + flow);
-        });
     }
 }
 

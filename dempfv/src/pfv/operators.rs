@@ -24,10 +24,33 @@ pub struct Operators {
     pub unknown_of: Vec<u32>,
     /// Wall that imposes a pore's pressure, by its index; 6 for none.
     imposed_by: Vec<u8>,
+    /// For each unknown what its pore is joined to.
+    joints: Vec<Joints>,
     pub(super) outlets: Outlets,
     pub(super) boundary: Boundary,
     pub(super) volume: VolumeRate,
     pub(super) forces: Forces,
+}
+
+/// A pore's throats: the pores beyond, and the conductances (m³/(Pa·s)). Where there is
+/// none, the pore itself and zero.
+#[derive(Clone, Copy, Debug)]
+struct Joints {
+    pore: [u32; 4],
+    conductance: [f64; 4],
+}
+
+impl Joints {
+    fn of(network: &Network, pore: u32) -> Joints {
+        let mut around = network.tessellation.neighbors[pore as usize];
+        let mut conductance = network.conductances_of(pore as usize);
+        for (j, g) in around.iter_mut().zip(&mut conductance) {
+            if *j == NONE {
+                (*j, *g) = (pore, 0.0);
+            }
+        }
+        Joints { pore: around, conductance }
+    }
 }
 
 /// `E`: per pore the vertices and the volume's derivative.
@@ -89,13 +112,15 @@ impl Operators {
             }
         }
         // The first part is serial: the others keep the other threads busy.
-        let (reach, (matrix, (outlets, forces))) = rayon::join(
+        let (reach, (matrix, (outlets, (forces, joints)))) = rayon::join(
             || check_reach(network, &imposed_by),
             || {
                 let assemble = || assemble(network, &unknown_of, &pore_of);
                 let outlets = || Outlets::new(network, &imposed_by);
                 let forces = || Forces::new(&network.tessellation, &derivatives.push);
-                rayon::join(assemble, || rayon::join(outlets, forces))
+                let joints = || pore_of.par_iter().map(|&i| Joints::of(network, i)).collect();
+                let last = || rayon::join(forces, joints);
+                rayon::join(assemble, || rayon::join(outlets, last))
             },
         );
         reach?;
@@ -105,6 +130,7 @@ impl Operators {
             unknown_of,
             outlets,
             imposed_by,
+            joints,
             boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
@@ -191,22 +217,37 @@ impl Operators {
     /// (m³/s), throat by throat: the difference of pressures comes first, so
     /// that a wide throat between pores of nearly one pressure does not drown
     /// the narrow ones, as it does in the rows of the assembled matrix.
-    pub fn surplus(
-        &self,
-        network: &Network,
-        pressure: &[f64],
-        volume_rate: &[f64],
-        out: &mut [f64],
-    ) {
+    pub fn surplus(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
         for_each(out, &|u, surplus| {
             let i = self.pore_of[u] as usize;
-            let around = network.tessellation.neighbors[i].into_iter();
-            *surplus = around
-                .zip(network.conductances_of(i))
-                .filter(|(j, _)| *j != NONE)
-                .map(|(j, g)| g * (pressure[j as usize] - pressure[i]))
-                .fold(-volume_rate[i], |sum, flow| sum + flow);
+            let Joints { pore, conductance } = &self.joints[u];
+            let here = pressure[i];
+            let mut sum = -volume_rate[i];
+            for (&j, g) in pore.iter().zip(conductance) {
+                sum += g * (pressure[j as usize] - here);
+            }
+            *surplus = sum;
         });
+    }
+
+    /// `G d` throat by throat (see [`Operators::surplus`]), for `d` spread over
+    /// all pores.
+    pub(super) fn conduct(&self, spread: &[f64], out: &mut [f64]) {
+        for_each(out, &|u, product| {
+            let Joints { pore, conductance } = &self.joints[u];
+            let here = spread[self.pore_of[u] as usize];
+            let mut sum = 0.0;
+            for (&j, g) in pore.iter().zip(conductance) {
+                sum += g * (here - spread[j as usize]);
+            }
+            *product = sum;
+        });
+    }
+
+    /// Takes over conductances that have changed.
+    pub(super) fn join_anew(&mut self, network: &Network) {
+        let pore_of = &self.pore_of;
+        for_each(&mut self.joints, &|u, joints| *joints = Joints::of(network, pore_of[u]));
     }
 }
 

@@ -1,31 +1,29 @@
 //! One solve with the factor: forward through the tree, and back.
 
-use rayon::prelude::*;
+use std::ops::Range;
 
 use super::dense;
-use super::lanes;
-use super::narrow;
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
-use super::shape::{Shape, TILE};
+use super::shares::Places;
+use super::sweep::{self, Collected, Front, Halves};
 use super::symbolic::Pattern;
 
 /// Tasks with so many entries of the factor are worth another thread.
 const WORTH: usize = 1 << 16;
 
-/// Fronts with so many entries share their tiles between threads.
+/// Fronts with so many entries share their chunks between threads.
 const SHARED: usize = 1 << 19;
 
-/// Columns of a panel that one task reads on the way back.
-const COLUMNS: usize = 32;
-
-/// Entries of the next front that are asked for ahead.
+/// How many fronts ahead words are asked for, and how many of them at most.
+const NEXT: usize = 2;
 const AHEAD: usize = 1024;
 
 /// A factor in use.
 pub struct Solve<'a> {
     pub pattern: &'a Pattern,
     pub plan: &'a Plan,
+    pub places: &'a Places,
     pub entries: &'a Entries,
 }
 
@@ -103,56 +101,49 @@ impl Solve<'_> {
                 own[row as usize] += v;
             }
         }
-        let s = task.own.start;
-        let shape = self.pattern.shape(s);
+        let front = self.front(task.own.start);
+        let shape = front.shape;
         let (x, edge) = own.split_at_mut(shape.width);
-        let l = self.front(s);
         let edge = &mut edge[..shape.edge];
-        if narrow::is_narrow(shape) {
-            pulp::Arch::new().dispatch(Narrow::<true> { shape, l, x, edge });
+        if sweep::is_narrow(shape) {
+            pulp::Arch::new().dispatch(Forward { front, x, edge });
         } else {
-            forward_front(shape, l, x, edge, shape.len() >= SHARED);
+            sweep::forward(front, x, edge, shape.len() >= SHARED);
         }
     }
 
     #[inline(always)]
     fn forward_subtree<S: pulp::Simd>(&self, simd: S, task: &Task, own: &mut [f32]) {
-        let pattern = self.pattern;
-        let from = pattern.first[task.own.start];
+        let from = self.places.of(task.own.start).column;
         for s in task.own.clone() {
-            let shape = pattern.shape(s);
-            let l = self.front(s);
-            if s + 1 < task.own.end {
-                self.ask_for(s + 1);
+            let front = self.front(s);
+            let shape = front.shape;
+            if s + NEXT < task.own.end {
+                self.ask_for(s + NEXT);
             }
-            let column = (pattern.first[s] - from) as usize;
+            let column = (self.places.of(s).column - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
+            // The last one's edge is the task's.
             let last = s + 1 == task.own.end;
-            if narrow::is_small::<S>(shape) {
-                let l = &self.entries.l[pattern.start[s]..];
-                let out = narrow::forward_small(simd, shape.height(), l, x);
-                x.iter_mut().zip(&out).for_each(|(x, v)| *x = -v);
-                let edge = &out[shape.width..shape.height()];
-                if last {
-                    rest.iter_mut().zip(edge).for_each(|(e, v)| *e += v);
-                } else {
-                    for (&row, v) in self.local_of(s).iter().zip(edge) {
+            let local = self.local_of(s);
+            match (sweep::is_narrow(shape), last) {
+                (true, true) => {
+                    sweep::forward_narrow(simd, front, x, |rows, v| v.add_to(&mut rest[rows]));
+                }
+                (true, false) => {
+                    let give = |rows: Range<usize>, v: &Halves| v.add_at(rest, &local[rows]);
+                    sweep::forward_narrow(simd, front, x, give);
+                }
+                (false, true) => sweep::forward(front, x, &mut rest[..shape.edge], false),
+                (false, false) => {
+                    let room = rest.len() - shape.edge;
+                    let (rest, edge) = rest.split_at_mut(room);
+                    edge.fill(0.0);
+                    sweep::forward(front, x, edge, false);
+                    for (&row, v) in local.iter().zip(&*edge) {
                         rest[row as usize] += v;
                     }
                 }
-                continue;
-            }
-            if last {
-                // The last one's edge is the task's.
-                forward_alone(simd, shape, l, x, &mut rest[..shape.edge]);
-                continue;
-            }
-            let room = rest.len() - shape.edge;
-            let (rest, edge) = rest.split_at_mut(room);
-            edge.fill(0.0);
-            forward_alone(simd, shape, l, x, edge);
-            for (&row, v) in self.local_of(s).iter().zip(&*edge) {
-                rest[row as usize] += v;
             }
         }
     }
@@ -170,15 +161,14 @@ impl Solve<'_> {
             pulp::Arch::new().dispatch(Subtree::<false> { solve: self, task, own });
             return;
         }
-        let s = task.own.start;
-        let shape = self.pattern.shape(s);
+        let front = self.front(task.own.start);
+        let shape = front.shape;
         let (x, edge) = own.split_at_mut(shape.width);
-        let l = self.front(s);
-        if narrow::is_narrow(shape) {
-            let edge = &mut edge[..shape.edge];
-            pulp::Arch::new().dispatch(Narrow::<false> { shape, l, x, edge });
+        let edge = &edge[..shape.edge];
+        if sweep::is_narrow(shape) {
+            pulp::Arch::new().dispatch(Backward { front, x, edge });
         } else {
-            backward_front(shape, l, x, &edge[..shape.edge], shape.len() >= SHARED);
+            sweep::backward(front, x, edge, shape.len() >= SHARED);
         }
         for &child in &task.children {
             let child = &self.plan.tasks[child as usize];
@@ -193,42 +183,37 @@ impl Solve<'_> {
 
     #[inline(always)]
     fn backward_subtree<S: pulp::Simd>(&self, simd: S, task: &Task, own: &mut [f32]) {
-        let pattern = self.pattern;
-        let from = pattern.first[task.own.start];
+        let from = self.places.of(task.own.start).column;
+        let mut collected = Collected::new();
         for s in task.own.clone().rev() {
-            let shape = pattern.shape(s);
-            let l = self.front(s);
-            if s > task.own.start {
-                self.ask_for(s - 1);
+            let front = self.front(s);
+            let shape = front.shape;
+            if s >= task.own.start + NEXT {
+                self.ask_for(s - NEXT);
             }
-            let column = (pattern.first[s] - from) as usize;
+            let column = (self.places.of(s).column - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             let last = s + 1 == task.own.end;
-            if narrow::is_small::<S>(shape) {
-                let mut y = narrow::NOTHING;
-                y.iter_mut().zip(&*x).for_each(|(y, x)| *y = -x);
-                let edge = &mut y[shape.width..shape.height()];
-                if last {
-                    edge.copy_from_slice(&rest[..shape.edge]);
-                } else {
-                    for (&row, v) in self.local_of(s).iter().zip(edge) {
+            let local = self.local_of(s);
+            match (sweep::is_narrow(shape), last) {
+                (true, true) => {
+                    let take = |rows: Range<usize>| Halves::of(&rest[rows]);
+                    sweep::backward_narrow(simd, front, &mut collected, x, take);
+                }
+                (true, false) => {
+                    let take = |rows: Range<usize>| Halves::at(rest, &local[rows]);
+                    sweep::backward_narrow(simd, front, &mut collected, x, take);
+                }
+                (false, true) => sweep::backward(front, x, &rest[..shape.edge], false),
+                (false, false) => {
+                    let room = rest.len() - shape.edge;
+                    let (rest, edge) = rest.split_at_mut(room);
+                    for (&row, v) in local.iter().zip(edge.iter_mut()) {
                         *v = rest[row as usize];
                     }
+                    sweep::backward(front, x, edge, false);
                 }
-                let l = &self.entries.l[pattern.start[s]..];
-                narrow::backward_small(simd, shape.height(), l, &y, x);
-                continue;
             }
-            if last {
-                backward_alone(simd, shape, l, x, &rest[..shape.edge]);
-                continue;
-            }
-            let room = rest.len() - shape.edge;
-            let (rest, edge) = rest.split_at_mut(room);
-            for (&row, v) in self.local_of(s).iter().zip(edge.iter_mut()) {
-                *v = rest[row as usize];
-            }
-            backward_alone(simd, shape, l, x, edge);
         }
     }
 
@@ -247,14 +232,24 @@ impl Solve<'_> {
     /// Has a front brought near that comes next.
     #[inline(always)]
     fn ask_for(&self, s: usize) {
-        let l = self.front(s);
-        dense::prefetch(&l[..l.len().min(AHEAD)]);
+        let (from, to) = (self.places.of(s), self.places.of(s + 1));
+        let words = &self.entries.words[from.words..to.words];
+        dense::prefetch(&words[..words.len().min(AHEAD)]);
+        let triangles = &self.entries.triangles[from.triangles..to.triangles];
+        dense::prefetch(&triangles[..triangles.len().min(AHEAD)]);
         dense::prefetch(self.local_of(s));
     }
 
-    fn front(&self, s: usize) -> &[f32] {
-        let start = &self.pattern.start;
-        &self.entries.l[start[s]..start[s + 1]]
+    #[inline(always)]
+    fn front(&self, s: usize) -> Front<'_> {
+        let Entries { words, triangles, factors, .. } = self.entries;
+        let place = self.places.of(s);
+        Front {
+            shape: place.shape(),
+            words: &words[place.words..],
+            triangles: &triangles[place.triangles..],
+            factors: &factors[place.column as usize..],
+        }
     }
 }
 
@@ -278,122 +273,37 @@ impl<const FORWARD: bool> pulp::WithSimd for Subtree<'_, FORWARD> {
     }
 }
 
-/// A narrow front's part of a solve.
-struct Narrow<'a, const FORWARD: bool> {
-    shape: Shape,
-    l: &'a [f32],
+/// The way forward through a narrow front.
+struct Forward<'a> {
+    front: Front<'a>,
     x: &'a mut [f32],
     edge: &'a mut [f32],
 }
 
-impl<const FORWARD: bool> pulp::WithSimd for Narrow<'_, FORWARD> {
+impl pulp::WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Narrow { shape, l, x, edge } = self;
-        if FORWARD {
-            narrow::forward(simd, shape, l, x, edge);
-        } else {
-            narrow::backward(simd, shape, l, x, edge);
-        }
+        let Forward { front, x, edge } = self;
+        sweep::forward_narrow(simd, front, x, |rows, v| v.add_to(&mut edge[rows]));
     }
 }
 
-/// [`forward_front`] by one thread.
-#[inline(always)]
-fn forward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &mut [f32]) {
-    if narrow::is_narrow(shape) {
-        narrow::forward(simd, shape, l, x, edge);
-        return;
-    }
-    let mut at = 0;
-    for panel in 0..shape.panels() {
-        let (first, width) = (panel * TILE, shape.panel_width(panel));
-        let (own, later) = x[first..].split_at_mut(width);
-        lanes::solve_lower(simd, own, &l[at..at + width * width]);
-        at += width * width;
-        for y in later.chunks_mut(TILE).chain(edge.chunks_mut(TILE)) {
-            let end = at + y.len() * width;
-            lanes::subtract_times(simd, y, &l[at..end], y.len(), own);
-            at = end;
-        }
-    }
+/// The way back through a narrow front.
+struct Backward<'a> {
+    front: Front<'a>,
+    x: &'a mut [f32],
+    edge: &'a [f32],
 }
 
-/// [`backward_front`] by one thread.
-#[inline(always)]
-fn backward_alone<S: pulp::Simd>(simd: S, shape: Shape, l: &[f32], x: &mut [f32], edge: &[f32]) {
-    if narrow::is_narrow(shape) {
-        narrow::backward(simd, shape, l, x, edge);
-        return;
-    }
-    for panel in (0..shape.panels()).rev() {
-        let (first, width) = (panel * TILE, shape.panel_width(panel));
-        let start = shape.panel_start(panel);
-        let (own, later) = x[first..].split_at_mut(width);
-        let mut at = start + width * width;
-        for y in later.chunks(TILE).chain(edge.chunks(TILE)) {
-            let end = at + y.len() * width;
-            lanes::subtract_transposed(simd, own, &l[at..end], y.len(), y);
-            at = end;
-        }
-        let diagonal = &l[start..start + width * width];
-        lanes::solve_upper(simd, own, diagonal);
-    }
-}
+impl pulp::WithSimd for Backward<'_> {
+    type Output = ();
 
-/// x = L₁⁻¹ x, edge = edge - L₂ x for the two parts of a front's columns.
-fn forward_front(shape: Shape, l: &[f32], x: &mut [f32], edge: &mut [f32], shared: bool) {
-    for panel in 0..shape.panels() {
-        let (first, width) = (panel * TILE, shape.panel_width(panel));
-        let l = &l[shape.panel_start(panel)..];
-        let (own, later) = x[first..].split_at_mut(width);
-        dense::solve_lower(own, &l[..width * width]);
-        let own = &*own;
-        let tile = |row: usize, y: &mut [f32]| {
-            let at = shape.tile_start(panel, row);
-            dense::subtract_times(y, &l[at..at + y.len() * width], own);
-        };
-        let pivots = |(k, y): (usize, &mut [f32])| tile((panel + 1 + k) * TILE, y);
-        let beyond = |(k, y): (usize, &mut [f32])| tile(shape.width + k * TILE, y);
-        if shared {
-            rayon::join(
-                || later.par_chunks_mut(TILE).enumerate().for_each(pivots),
-                || edge.par_chunks_mut(TILE).enumerate().for_each(beyond),
-            );
-        } else {
-            later.chunks_mut(TILE).enumerate().for_each(pivots);
-            edge.chunks_mut(TILE).enumerate().for_each(beyond);
-        }
-    }
-}
-
-/// x = L₁⁻ᵀ (x - L₂ᵀ edge) for the two parts of a front's columns.
-fn backward_front(shape: Shape, l: &[f32], x: &mut [f32], edge: &[f32], shared: bool) {
-    for panel in (0..shape.panels()).rev() {
-        let (first, width) = (panel * TILE, shape.panel_width(panel));
-        let l = &l[shape.panel_start(panel)..];
-        let (own, later) = x[first..].split_at_mut(width);
-        let later = &*later;
-        let columns = |from: usize, own: &mut [f32]| {
-            let tile = |row: usize, y: &[f32], own: &mut [f32]| {
-                let at = shape.tile_start(panel, row) + from * y.len();
-                dense::subtract_transposed(own, &l[at..at + own.len() * y.len()], y);
-            };
-            for (k, y) in later.chunks(TILE).enumerate() {
-                tile((panel + 1 + k) * TILE, y, own);
-            }
-            for (k, y) in edge.chunks(TILE).enumerate() {
-                tile(shape.width + k * TILE, y, own);
-            }
-        };
-        if shared {
-            let share = |(k, own): (usize, &mut [f32])| columns(k * COLUMNS, own);
-            own.par_chunks_mut(COLUMNS).enumerate().for_each(share);
-        } else {
-            columns(0, own);
-        }
-        dense::solve_upper(own, &l[..width * width]);
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let Backward { front, x, edge } = self;
+        let take = |rows: Range<usize>| Halves::of(&edge[rows]);
+        sweep::backward_narrow(simd, front, &mut Collected::new(), x, take);
     }
 }

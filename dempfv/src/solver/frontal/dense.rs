@@ -23,6 +23,11 @@ impl<'a> Block<'a> {
     pub fn packed(data: &'a [f32], rows: usize) -> Block<'a> {
         Block { data, rows, stride: rows }
     }
+
+    /// Its rows from this one on; may be none.
+    pub fn below(self, row: usize) -> Block<'a> {
+        Block { data: &self.data[row..], rows: self.rows - row, ..self }
+    }
 }
 
 /// Asks for entries that are read soon: fronts are short, and what comes after
@@ -211,28 +216,6 @@ impl pulp::WithSimd for SubtractTimes<'_> {
     }
 }
 
-/// x = x - Aᵀ y for a packed block with one column per entry of x.
-pub fn subtract_transposed(x: &mut [f32], a: &[f32], y: &[f32]) {
-    if !x.is_empty() && !y.is_empty() {
-        pulp::Arch::new().dispatch(SubtractTransposed { x, a, y });
-    }
-}
-
-struct SubtractTransposed<'a> {
-    x: &'a mut [f32],
-    a: &'a [f32],
-    y: &'a [f32],
-}
-
-impl pulp::WithSimd for SubtractTransposed<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        lanes::subtract_transposed(simd, self.x, self.a, self.y.len(), self.y);
-    }
-}
-
 /// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
 pub fn solve_lower(x: &mut [f32], l: &[f32]) {
     pulp::Arch::new().dispatch(SolveLower { x, l });
@@ -249,24 +232,5 @@ impl pulp::WithSimd for SolveLower<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
         lanes::solve_lower(simd, self.x, self.l);
-    }
-}
-
-/// x = L⁻ᵀ x for a packed lower triangle whose strips are inverted.
-pub fn solve_upper(x: &mut [f32], l: &[f32]) {
-    pulp::Arch::new().dispatch(SolveUpper { x, l });
-}
-
-struct SolveUpper<'a> {
-    x: &'a mut [f32],
-    l: &'a [f32],
-}
-
-impl pulp::WithSimd for SolveUpper<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        lanes::solve_upper(simd, self.x, self.l);
     }
 }

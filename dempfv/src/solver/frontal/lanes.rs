@@ -56,21 +56,21 @@ fn subtract_column<S: Simd>(simd: S, y: &mut [f32], column: &[f32], x: f32) {
 
 /// The first lanes of a vector, where fewer entries than lanes are left.
 #[derive(Clone, Copy)]
-struct Tail<S: Simd> {
+pub struct Tail<S: Simd> {
     mask: MemMask<S::m32s>,
     len: usize,
 }
 
 impl<S: Simd> Tail<S> {
     #[inline(always)]
-    fn new(simd: S, len: usize) -> Tail<S> {
+    pub fn new(simd: S, len: usize) -> Tail<S> {
         // Without the mask's own functions, which are called and not inlined.
         Tail { mask: MemMask::new(simd.mask_between_m32s(0, len as u32).mask()), len }
     }
 
     /// The entries, and zeros.
     #[inline(always)]
-    fn load(self, simd: S, x: &[f32]) -> S::f32s {
+    pub fn load(self, simd: S, x: &[f32]) -> S::f32s {
         let x = &x[..self.len];
         // SAFETY: the mask enables the lanes of these entries only.
         unsafe { simd.mask_load_ptr_f32s(self.mask, x.as_ptr()) }
@@ -123,80 +123,6 @@ fn subtract_columns<S: Simd, const N: usize>(
     }
 }
 
-/// x = x - Aᵀ y for columns that are `stride` apart.
-#[inline(always)]
-pub fn subtract_transposed<S: Simd>(simd: S, x: &mut [f32], a: &[f32], stride: usize, y: &[f32]) {
-    if y.is_empty() {
-        return;
-    }
-    if y.len() > LONG {
-        for (k, x) in x.iter_mut().enumerate() {
-            *x -= dot(simd, &a[k * stride..k * stride + y.len()], y);
-        }
-        return;
-    }
-    let mut at = 0;
-    let mut fours = x.chunks_exact_mut(4);
-    for x in &mut fours {
-        dots::<S, 4>(simd, x, &a[at..], stride, y);
-        at += 4 * stride;
-    }
-    for x in fours.into_remainder() {
-        dots::<S, 1>(simd, std::slice::from_mut(x), &a[at..], stride, y);
-        at += stride;
-    }
-}
-
-#[inline(always)]
-fn dot<S: Simd>(simd: S, a: &[f32], y: &[f32]) -> f32 {
-    let (y, y_rest) = S::as_simd_f32s(y);
-    let (a, a_rest) = S::as_simd_f32s(a);
-    let mut sums = [simd.splat_f32s(0.0); 4];
-    let (y, a) = (y.chunks_exact(4), a.chunks_exact(4));
-    let rest = y.remainder().iter().zip(a.remainder());
-    for (y, a) in y.zip(a) {
-        for k in 0..4 {
-            sums[k] = simd.mul_add_e_f32s(a[k], y[k], sums[k]);
-        }
-    }
-    for ((&y, &a), sum) in rest.zip(&mut sums) {
-        *sum = simd.mul_add_e_f32s(a, y, *sum);
-    }
-    let halves = (simd.add_f32s(sums[0], sums[2]), simd.add_f32s(sums[1], sums[3]));
-    let sum = simd.reduce_sum_f32s(simd.add_f32s(halves.0, halves.1));
-    y_rest.iter().zip(a_rest).fold(sum, |sum, (y, a)| sum + y * a)
-}
-
-#[inline(always)]
-fn dots<S: Simd, const N: usize>(simd: S, x: &mut [f32], a: &[f32], stride: usize, y: &[f32]) {
-    let rows = y.len();
-    // Not `from_fn`, which may be a function of its own that knows nothing of vectors.
-    let mut columns: [&[f32]; N] = [&[]; N];
-    for (k, column) in columns.iter_mut().enumerate() {
-        *column = &a[k * stride..][..rows];
-    }
-    let mut sums = [simd.splat_f32s(0.0); N];
-    let mut i = 0;
-    while rows - i >= S::F32_LANES {
-        let v = S::as_simd_f32s(&y[i..i + S::F32_LANES]).0[0];
-        for (column, sum) in columns.iter().zip(&mut sums) {
-            let (a, _) = S::as_simd_f32s(&column[i..i + S::F32_LANES]);
-            *sum = simd.mul_add_e_f32s(a[0], v, *sum);
-        }
-        i += S::F32_LANES;
-    }
-    if i < rows {
-        let tail = Tail::new(simd, rows - i);
-        let v = tail.load(simd, &y[i..]);
-        for (column, sum) in columns.iter().zip(&mut sums) {
-            *sum = simd.mul_add_e_f32s(tail.load(simd, &column[i..]), v, *sum);
-        }
-    }
-    for (x, sum) in x.iter_mut().zip(sums) {
-        *x -= simd.reduce_sum_f32s(sum);
-    }
-}
-
 /// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
 #[inline(always)]
 pub fn solve_lower<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
@@ -209,20 +135,5 @@ pub fn solve_lower<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
         subtract_times(simd, solved, &l[from * w + from..], w, own);
         own.iter_mut().zip(&*solved).for_each(|(x, v)| *x = -v);
         subtract_times(simd, rest, &l[(from * w + to).min(l.len())..], w, own);
-    }
-}
-
-/// x = L⁻ᵀ x for a packed lower triangle whose strips are inverted.
-#[inline(always)]
-pub fn solve_upper<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
-    let w = x.len();
-    for from in (0..w).step_by(STRIP).rev() {
-        let to = (from + STRIP).min(w);
-        let (own, rest) = x[from..].split_at_mut(to - from);
-        subtract_transposed(simd, own, &l[(from * w + to).min(l.len())..], w, rest);
-        let mut solved = [0.0; STRIP];
-        let solved = &mut solved[..to - from];
-        subtract_transposed(simd, solved, &l[from * w + from..], w, own);
-        own.iter_mut().zip(&*solved).for_each(|(x, v)| *x = -v);
     }
 }

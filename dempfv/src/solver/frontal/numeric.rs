@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::assemble;
 use super::dense::{self, Block};
-use super::narrow;
 use super::pivot;
 use super::plan::Plan;
 use super::shape::Shape;
+use super::shares::{self, Part, Places};
 use super::symbolic::Pattern;
 
 /// What a front leaves to its parent.
@@ -25,11 +25,26 @@ pub struct Update {
 /// Where a factorization stopped: a column of the factor.
 pub struct Stopped(pub usize);
 
-/// The factor: entries (narrow fronts as blocks, and some slack at the end) and inverses
-/// of the diagonal.
+/// The factor as solves read it (see [`shares`]), with some slack after what may be read
+/// beyond its end, and the inverses of its diagonal.
 pub struct Entries {
-    pub l: Vec<f32>,
+    pub words: Vec<u32>,
+    pub triangles: Vec<f32>,
+    pub factors: Vec<f32>,
     pub inverse: Vec<f32>,
+}
+
+impl Entries {
+    fn all(&mut self) -> Part<'_> {
+        let Entries { words, triangles, factors, inverse } = self;
+        Part { words, triangles, factors, inverse }
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        let Entries { words, triangles, factors, inverse } = self;
+        4 * (words.len() + triangles.len() + factors.len() + inverse.len())
+    }
 }
 
 /// Fronts of so many entries share their tiles between threads.
@@ -38,6 +53,7 @@ const SHARED: usize = 1 << 17;
 pub struct Factorization<'a> {
     pub pattern: &'a Pattern,
     pub plan: &'a Plan,
+    pub places: &'a Places,
     /// Values of the matrix, scaled.
     pub values: &'a [f32],
     /// Row sums by column of the factor, scaled.
@@ -47,43 +63,32 @@ pub struct Factorization<'a> {
 impl Factorization<'_> {
     /// Factors into memory of the right size or more.
     pub fn run(&self, into: &mut Entries) -> Result<(), Stopped> {
-        let Entries { l, inverse } = into;
-        self.tasks(&self.plan.roots, l, inverse, &mut vec![]).map(|_| ())
+        self.tasks(&self.plan.roots, into.all(), &mut vec![]).map(|_| ())
     }
 
-    /// Entries of the factor and columns of some tasks that follow each other,
-    /// with all below them.
-    fn span(&self, tasks: &[u32]) -> (usize, usize) {
-        let (Some(first), Some(last)) = (tasks.first(), tasks.last()) else { return (0, 0) };
-        let from = self.plan.tasks[*first as usize].all.start;
-        let to = self.plan.tasks[*last as usize].all.end;
-        let (start, column) = (&self.pattern.start, &self.pattern.first);
-        (start[to] - start[from], (column[to] - column[from]) as usize)
+    /// Cuts off the front part: that of supernodes `from..to`, with which it starts.
+    fn cut<'a>(&self, part: Part<'a>, from: usize, to: usize) -> (Part<'a>, Part<'a>) {
+        let (from, to) = (self.places.of(from), self.places.of(to));
+        let columns = (to.column - from.column) as usize;
+        part.split(to.words - from.words, to.triangles - from.triangles, columns)
     }
 
     /// Works through tasks, two halves at a time, and collects what they leave.
-    fn tasks(
-        &self,
-        tasks: &[u32],
-        l: &mut [f32],
-        inverse: &mut [f32],
-        left: &mut Vec<Update>,
-    ) -> Result<(), Stopped> {
+    fn tasks(&self, tasks: &[u32], part: Part<'_>, left: &mut Vec<Update>) -> Result<(), Stopped> {
         match tasks {
             [] => Ok(()),
             [task] => {
-                left.push(self.task(*task as usize, l, inverse)?);
+                left.push(self.task(*task as usize, part)?);
                 Ok(())
             }
             _ => {
                 let (a, b) = tasks.split_at(tasks.len() / 2);
-                let (entries, columns) = self.span(a);
-                let (l_a, l_b) = l.split_at_mut(entries);
-                let (inverse_a, inverse_b) = inverse.split_at_mut(columns);
+                let all = |task: u32| &self.plan.tasks[task as usize].all;
+                let (part_a, part_b) = self.cut(part, all(a[0]).start, all(b[0]).start);
                 let mut more = vec![];
                 let (first, second) = rayon::join(
-                    || self.tasks(a, l_a, inverse_a, left),
-                    || self.tasks(b, l_b, inverse_b, &mut more),
+                    || self.tasks(a, part_a, left),
+                    || self.tasks(b, part_b, &mut more),
                 );
                 first?;
                 second?;
@@ -93,28 +98,17 @@ impl Factorization<'_> {
         }
     }
 
-    fn task(&self, task: usize, l: &mut [f32], inverse: &mut [f32]) -> Result<Update, Stopped> {
+    fn task(&self, task: usize, part: Part<'_>) -> Result<Update, Stopped> {
         let task = &self.plan.tasks[task];
-        let start = |s: usize| self.pattern.start[s] - self.pattern.start[task.all.start];
-        let column =
-            |s: usize| (self.pattern.first[s] - self.pattern.first[task.all.start]) as usize;
         let mut waiting: Vec<Update> = vec![];
-        let below = task.own.start;
-        self.tasks(
-            &task.children,
-            &mut l[..start(below)],
-            &mut inverse[..column(below)],
-            &mut waiting,
-        )?;
+        let (below, mut rest) = self.cut(part, task.all.start, task.own.start);
+        self.tasks(&task.children, below, &mut waiting)?;
         for s in task.own.clone() {
             let children = self.pattern.children.of(s).len();
             let from = waiting.len() - children;
-            let update = self.front(
-                s,
-                &mut l[start(s)..start(s + 1)],
-                &mut inverse[column(s)..column(s + 1)],
-                &waiting[from..],
-            )?;
+            let (this, after) = self.cut(rest, s, s + 1);
+            rest = after;
+            let update = self.front(s, this, &waiting[from..])?;
             waiting.truncate(from);
             waiting.push(update);
         }
@@ -122,16 +116,12 @@ impl Factorization<'_> {
         Ok(waiting.pop().unwrap_or(Update { from: 0, entries: vec![], excess: vec![] }))
     }
 
-    fn front(
-        &self,
-        s: usize,
-        l: &mut [f32],
-        inverse: &mut [f32],
-        children: &[Update],
-    ) -> Result<Update, Stopped> {
+    fn front(&self, s: usize, part: Part<'_>, children: &[Update]) -> Result<Update, Stopped> {
         let pattern = self.pattern;
         let shape = pattern.shape(s);
         let shared = shape.height() * shape.height() / 2 >= SHARED;
+        let mut l = vec![0.0; shape.len()];
+        let l = &mut l[..];
         self.assemble(s, l);
         let columns = pattern.first[s] as usize..pattern.first[s + 1] as usize;
         let mut excess = vec![0.0; shape.height()];
@@ -143,22 +133,19 @@ impl Factorization<'_> {
         }
         assemble::pivots(pattern, children, shape, l, shared);
         for panel in 0..shape.panels() {
-            eliminate(shape, panel, l, inverse, &mut excess, shared)
+            eliminate(shape, panel, l, part.inverse, &mut excess, shared)
                 .map_err(|k| Stopped(columns.start + k))?;
         }
         let mut entries = vec![0.0; Shape { width: shape.edge, edge: 0 }.len()];
         complement(shape, l, &mut entries, shared);
         assemble::rest(pattern, children, shape, &mut entries, shared);
-        if narrow::is_narrow(shape) {
-            narrow::stack(shape, l);
-        }
+        shares::take(shape, l, part, shared);
         excess.drain(..shape.width);
         Ok(Update { from: s, entries, excess })
     }
 
     /// The entries of the matrix.
     fn assemble(&self, s: usize, l: &mut [f32]) {
-        l.fill(0.0);
         let Pattern { first, entries, .. } = self.pattern;
         let from = entries.column_start[first[s] as usize] as usize;
         let to = entries.column_start[first[s + 1] as usize] as usize;

@@ -4,7 +4,7 @@ use crate::solver::tree::{self, NONE};
 
 /// A front costs as much time as so many entries, whatever it holds: no more
 /// zeros than this are a good price for one front less.
-const PRICE: usize = 80;
+const PRICE: usize = 130;
 
 /// Larger fronts are merged where zeros are no more than this share.
 const SHARE: f64 = 0.04;

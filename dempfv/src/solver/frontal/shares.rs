@@ -1,0 +1,409 @@
+//! The factor as solves read it: in 16 bits an entry.
+//!
+//! Columns are solved for in strips, by the inverse T of the strip's triangle on the
+//! diagonal: `x = T x` on the way forward, `x = Tᵀ x` on the way back. T stays in single
+//! precision, by columns and by rows, so that both ways are sums of columns. What is
+//! below the triangle, L₂, says in which shares a column's flow goes on to later rows.
+//! Its entries are kept with 12 digits, of base two, and an exponent, relative to the
+//! largest of the column; and each column has a factor, in single precision, that makes
+//! its shares sum up to what they did before they were rounded. No fluid is lost and none
+//! added, only a little of it goes to the neighbour of where it should. That is why 12
+//! digits are enough: without those factors a correction leaves 10⁻³ of an error, with
+//! them 3·10⁻⁵.
+//!
+//! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
+//! that are joined firmly the first gives to the second nearly all it has, and little to
+//! others. Shares of the two together are nearly the same, and rounding each by itself
+//! would drive them apart by more than what they are joined by.
+
+use rayon::prelude::*;
+
+use super::dense::Block;
+use super::pivot::STRIP;
+use super::shape::{Rows, Shape, TILE};
+use super::symbolic::Pattern;
+
+/// Rows of a block: what a solve keeps in registers while it goes through a strip.
+pub const BLOCK: usize = 64;
+
+/// Rows of a chunk, which is read strip by strip: its part of a vector stays near.
+pub const CHUNK: usize = 2 * TILE;
+
+/// Words after the last that may be read, and have no effect.
+pub const SLACK: usize = BLOCK;
+
+/// The exponent's bits of a share of this part of the largest, and that share.
+const EXPONENT: u32 = 0x3000_0000;
+pub const LEAST: f32 = f32::from_bits(EXPONENT);
+
+/// Bits of a number in single precision that a share has not, and the share's own.
+const DROPPED: u32 = 12;
+const KEPT: u32 = 0xffff;
+
+/// Size of the largest share of a column, as it is kept: just below 2, where the
+/// exponents end.
+const LARGEST: f32 = 1.999;
+
+/// The bits of a share of [`LEAST`] + v, to the nearest.
+#[inline(always)]
+fn code(v: f32) -> u32 {
+    let nearest = (v + LEAST).to_bits() + (1 << (DROPPED - 1));
+    ((nearest - EXPONENT) >> DROPPED) & KEPT
+}
+
+/// The bits of single precision of two shares: of the lower and of the higher half of a
+/// word, as shifts by [`TO_LOW`] to the left and by [`TO_HIGH`] to the right, this mask,
+/// and this exponent. [`LEAST`] is to be subtracted of what they stand for.
+pub const TO_LOW: u32 = DROPPED;
+pub const TO_HIGH: u32 = 16 - DROPPED;
+pub const MASK: u32 = KEPT << DROPPED;
+pub const OR: u32 = EXPONENT;
+
+#[inline(always)]
+fn decoded(code: u32) -> f32 {
+    f32::from_bits(code << DROPPED | EXPONENT) - LEAST
+}
+
+/// Words that a column takes for so many rows. Word k of a block of n words holds rows k
+/// and k + n.
+#[inline(always)]
+pub fn words(rows: usize) -> usize {
+    rows.div_ceil(2)
+}
+
+/// The columns of one panel as solves read them: first what goes to later rows of the
+/// panel, strip by strip, then what goes to the rows below, chunk by chunk.
+#[derive(Clone, Copy)]
+pub struct Panel {
+    /// First column in the front, and number of columns.
+    pub first: usize,
+    pub width: usize,
+    /// Rows of the front's own columns after the panel.
+    pub later: usize,
+    /// Rows of the edge.
+    pub edge: usize,
+}
+
+/// Columns of a panel that are eliminated together.
+#[derive(Clone, Copy)]
+pub struct Strip {
+    pub first: usize,
+    pub width: usize,
+}
+
+impl Strip {
+    /// Entries of the inverse of the triangle, T: for each k what row k has up to the
+    /// diagonal, then what column k has from there on.
+    #[inline(always)]
+    pub fn triangle(self) -> usize {
+        self.width * (self.width + 1)
+    }
+}
+
+impl Panel {
+    pub fn new(shape: Shape, panel: usize) -> Panel {
+        let (first, width) = (panel * TILE, shape.panel_width(panel));
+        Panel { first, width, later: shape.width - first - width, edge: shape.edge }
+    }
+
+    /// The strips, by columns of the panel.
+    pub fn strips(self) -> impl DoubleEndedIterator<Item = Strip> + ExactSizeIterator {
+        let width = self.width;
+        (0..width.div_ceil(STRIP)).map(move |k| {
+            let first = k * STRIP;
+            Strip { first, width: STRIP.min(width - first) }
+        })
+    }
+
+    /// Words of a strip's shares in later rows of the panel.
+    #[inline(always)]
+    pub fn inside(self, strip: Strip) -> usize {
+        strip.width * words(self.width - strip.first - strip.width)
+    }
+
+    /// Words of all these.
+    pub fn all_inside(self) -> usize {
+        self.strips().map(|strip| self.inside(strip)).sum()
+    }
+
+    /// Chunks below the panel.
+    pub fn chunks(self) -> usize {
+        self.later.div_ceil(CHUNK) + self.edge.div_ceil(CHUNK)
+    }
+
+    /// A chunk's rows, as rows below the panel, and where its words start.
+    pub fn chunk(self, chunk: usize) -> (std::ops::Range<usize>, usize) {
+        let own = self.later.div_ceil(CHUNK);
+        let (from, len, before) = if chunk < own {
+            (chunk * CHUNK, self.later, 0)
+        } else {
+            ((chunk - own) * CHUNK, self.edge, self.later)
+        };
+        let rows = before + from..before + len.min(from + CHUNK);
+        (rows, self.all_inside() + self.width * (words(before) + words(from)))
+    }
+
+    pub fn words(self) -> usize {
+        self.all_inside() + self.width * (words(self.later) + words(self.edge))
+    }
+
+    /// Entries of the strips' triangles, see [`Strip::triangle`].
+    pub fn triangles(self) -> usize {
+        self.strips().map(Strip::triangle).sum()
+    }
+}
+
+/// Where a supernode's parts of the factor start, and its front's shape.
+#[derive(Clone, Copy)]
+pub struct Place {
+    pub words: usize,
+    pub triangles: usize,
+    /// First column.
+    pub column: u32,
+    width: u32,
+    edge: u32,
+}
+
+impl Place {
+    #[inline(always)]
+    pub fn shape(&self) -> Shape {
+        Shape { width: self.width as usize, edge: self.edge as usize }
+    }
+}
+
+/// Where the parts of the factor of all supernodes start, and where they end.
+pub struct Places(Vec<Place>);
+
+impl Places {
+    pub fn new(pattern: &Pattern) -> Places {
+        let mut next = Place { words: 0, triangles: 0, column: 0, width: 0, edge: 0 };
+        let mut places = vec![];
+        for s in 0..pattern.supernodes() {
+            let shape = pattern.shape(s);
+            places.push(Place { width: shape.width as u32, edge: shape.edge as u32, ..next });
+            for panel in panels(shape) {
+                next.words += panel.words();
+                next.triangles += panel.triangles();
+            }
+            next.column += shape.width as u32;
+        }
+        places.push(next);
+        Places(places)
+    }
+
+    /// A supernode's place, or the end's.
+    #[inline(always)]
+    pub fn of(&self, s: usize) -> &Place {
+        &self.0[s]
+    }
+
+    /// The end's place.
+    pub fn end(&self) -> &Place {
+        &self.0[self.0.len() - 1]
+    }
+
+    /// Bytes held.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Place>() * self.0.len()
+    }
+}
+
+pub fn panels(shape: Shape) -> impl DoubleEndedIterator<Item = Panel> {
+    (0..shape.panels()).map(move |panel| Panel::new(shape, panel))
+}
+
+/// Parts of the factor: shares, two a word; inverses of the strips' triangles; and by
+/// column the factors of the shares and the inverses of the diagonal.
+pub struct Part<'a> {
+    pub words: &'a mut [u32],
+    pub triangles: &'a mut [f32],
+    pub factors: &'a mut [f32],
+    pub inverse: &'a mut [f32],
+}
+
+impl<'a> Part<'a> {
+    pub fn split(self, words: usize, triangles: usize, columns: usize) -> (Part<'a>, Part<'a>) {
+        let (words, more_words) = self.words.split_at_mut(words);
+        let (triangles, more_triangles) = self.triangles.split_at_mut(triangles);
+        let (factors, more_factors) = self.factors.split_at_mut(columns);
+        let (inverse, more_inverse) = self.inverse.split_at_mut(columns);
+        (
+            Part { words, triangles, factors, inverse },
+            Part {
+                words: more_words,
+                triangles: more_triangles,
+                factors: more_factors,
+                inverse: more_inverse,
+            },
+        )
+    }
+}
+
+/// Takes over a factored front, in which the triangles of strips on the diagonal are
+/// inverted.
+pub fn take(shape: Shape, l: &[f32], part: Part<'_>, shared: bool) {
+    let mut rest = part;
+    let mut work = vec![];
+    for (k, panel) in panels(shape).enumerate() {
+        let (this, after) = rest.split(panel.words(), panel.triangles(), panel.width);
+        work.push((k, panel, this));
+        rest = after;
+    }
+    let one = |(k, panel, part)| take_panel(shape, k, panel, l, part);
+    if shared && work.len() > 1 {
+        work.into_par_iter().for_each(one);
+    } else {
+        work.into_iter().for_each(one);
+    }
+}
+
+fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], part: Part<'_>) {
+    let start = shape.panel_start(k);
+    let w = panel.width;
+    let diagonal = &l[start..start + w * w];
+    let Part { words, triangles, factors, .. } = part;
+    let (mut inside, mut triangle) = (0, 0);
+    for strip in panel.strips() {
+        let (from, size) = (strip.first, strip.width);
+        let end = from + size;
+        let both = &mut triangles[triangle..triangle + strip.triangle()];
+        for (j, both) in both.chunks_exact_mut(size + 1).enumerate() {
+            let (row, column) = both.split_at_mut(j + 1);
+            column.copy_from_slice(&diagonal[(from + j) * w + from..][j..size]);
+            for (i, x) in row.iter_mut().enumerate() {
+                *x = diagonal[(from + i) * w + from + j];
+            }
+        }
+        triangle += strip.triangle();
+
+        // The strip's shares, run of rows by run of rows.
+        let tile = |rows: Rows| {
+            let at = start + shape.tile_start(k, rows.start) + from * rows.len;
+            Block { data: &l[at..], rows: rows.len, stride: rows.len }
+        };
+        let below = Block { data: &diagonal[from * w..], rows: w, stride: w }.below(end);
+        let mut sums = Sums::default();
+        for block in std::iter::once(below).chain(shape.below(k).map(tile)) {
+            pulp::Arch::new().dispatch(Sum { block, size, sums: &mut sums });
+        }
+        let scales = sums.scales();
+        let mut kept = [0.0; STRIP];
+        let mut put = |block: Block<'_>, words: &mut [u32]| {
+            let scales = &scales[..size];
+            pulp::Arch::new().dispatch(Put { block, scales, words, kept: &mut kept });
+        };
+        let here = panel.inside(strip);
+        put(below, &mut words[inside..inside + here]);
+        inside += here;
+        let mut tiles = shape.below(k);
+        for chunk in 0..panel.chunks() {
+            let (rows, start) = panel.chunk(chunk);
+            let mut at = start + from * self::words(rows.len());
+            for rows in tiles.by_ref().take(rows.len().div_ceil(TILE)) {
+                let len = size * self::words(rows.len);
+                put(tile(rows), &mut words[at..at + len]);
+                at += len;
+            }
+        }
+        let factors = factors[from..end].iter_mut();
+        for ((factor, sum), kept) in factors.zip(sums.total).zip(kept) {
+            *factor = if kept > 0.0 { (sum / kept) as f32 } else { 0.0 };
+        }
+    }
+}
+
+/// Largest shares and sums of a strip's columns.
+#[derive(Default)]
+struct Sums {
+    largest: [f32; STRIP],
+    total: [f64; STRIP],
+}
+
+impl Sums {
+    /// What brings each column's largest share to [`LARGEST`].
+    fn scales(&self) -> [f32; STRIP] {
+        let mut scales = [0.0; STRIP];
+        for (scale, &largest) in scales.iter_mut().zip(&self.largest) {
+            // A column so small that nothing of it would be left has no shares.
+            *scale = if largest > f32::MIN_POSITIVE { LARGEST / largest } else { 0.0 };
+        }
+        scales
+    }
+}
+
+struct Sum<'a> {
+    block: Block<'a>,
+    size: usize,
+    sums: &'a mut Sums,
+}
+
+impl pulp::NullaryFnOnce for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Sum { block, size, sums } = self;
+        let Sums { largest, total } = sums;
+        for (k, (largest, total)) in largest.iter_mut().zip(total).enumerate().take(size) {
+            let mut most = [0.0f32; 16];
+            let mut sum = [0.0f64; 16];
+            let column = &block.data[k * block.stride..][..block.rows];
+            let chunks = column.chunks_exact(16);
+            for (k, &v) in chunks.remainder().iter().enumerate() {
+                most[k] = -v;
+                sum[k] = f64::from(v);
+            }
+            for chunk in chunks {
+                for ((most, sum), &v) in most.iter_mut().zip(&mut sum).zip(chunk) {
+                    *most = if -v > *most { -v } else { *most };
+                    *sum += f64::from(v);
+                }
+            }
+            *largest = most.iter().fold(*largest, |m, &v| m.max(v));
+            *total -= sum.iter().sum::<f64>();
+        }
+    }
+}
+
+/// Puts a run of rows of a strip into words, block by block, and sums up what was kept.
+struct Put<'a> {
+    block: Block<'a>,
+    scales: &'a [f32],
+    words: &'a mut [u32],
+    kept: &'a mut [f64; STRIP],
+}
+
+impl pulp::NullaryFnOnce for Put<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Put { block, scales, words, kept } = self;
+        let mut out = words;
+        for from in (0..block.rows).step_by(BLOCK) {
+            let len = BLOCK.min(block.rows - from);
+            let half = self::words(len);
+            let (these, after) = std::mem::take(&mut out).split_at_mut(half * scales.len());
+            out = after;
+            let columns = scales.iter().zip(kept.iter_mut()).enumerate();
+            for (words, (k, (&scale, kept))) in these.chunks_exact_mut(half).zip(columns) {
+                let column = &block.data[k * block.stride + from..][..len];
+                let mut codes = [0u32; BLOCK];
+                for (code, &v) in codes.iter_mut().zip(column) {
+                    *code = self::code(-v * scale);
+                }
+                let mut sums = [0.0f32; 16];
+                for codes in codes.chunks_exact(16) {
+                    for (sum, &code) in sums.iter_mut().zip(codes) {
+                        *sum += decoded(code);
+                    }
+                }
+                *kept += sums.iter().map(|&v| f64::from(v)).sum::<f64>();
+                let (low, high) = codes.split_at(half);
+                for ((word, &low), &high) in words.iter_mut().zip(low).zip(high) {
+                    *word = low | high << 16;
+                }
+            }
+        }
+    }
+}

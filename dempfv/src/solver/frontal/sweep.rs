@@ -1,0 +1,848 @@
+//! Ways through fronts: with the shares of their columns forward, and back.
+
+use std::ops::Range;
+
+use pulp::Simd;
+use rayon::prelude::*;
+
+use super::lanes::Tail;
+use super::pivot::STRIP;
+use super::shape::{Shape, TILE};
+use super::shares::{
+    BLOCK, CHUNK, LEAST, MASK, OR, Panel, Strip, TO_HIGH, TO_LOW, panels, words as words_of,
+};
+
+/// Lanes of the widest vectors.
+const WIDEST: usize = 16;
+
+/// The two halves of a block's rows, as the words have them.
+#[derive(Clone, Copy)]
+pub struct Halves {
+    low: [f32; BLOCK / 2],
+    high: [f32; BLOCK / 2],
+}
+
+impl Halves {
+    #[inline(always)]
+    fn zeros() -> Halves {
+        Halves { low: [0.0; BLOCK / 2], high: [0.0; BLOCK / 2] }
+    }
+
+    /// Takes over values that lie one after the other.
+    #[inline(always)]
+    pub fn of(y: &[f32]) -> Halves {
+        let mut halves = Halves::zeros();
+        let (low, high) = y.split_at(words_of(y.len()));
+        halves.low[..low.len()].copy_from_slice(low);
+        halves.high[..high.len()].copy_from_slice(high);
+        halves
+    }
+
+    /// Takes over values by their places.
+    #[inline(always)]
+    pub fn at(y: &[f32], places: &[u32]) -> Halves {
+        let mut halves = Halves::zeros();
+        let (low, high) = places.split_at(words_of(places.len()));
+        for (places, out) in [(low, &mut halves.low), (high, &mut halves.high)] {
+            for (out, &place) in out.iter_mut().zip(places) {
+                *out = y[place as usize];
+            }
+        }
+        halves
+    }
+
+    #[inline(always)]
+    pub fn add_to(&self, y: &mut [f32]) {
+        let (low, high) = y.split_at_mut(words_of(y.len()));
+        low.iter_mut().zip(&self.low).for_each(|(y, v)| *y += v);
+        high.iter_mut().zip(&self.high).for_each(|(y, v)| *y += v);
+    }
+
+    #[inline(always)]
+    pub fn add_at(&self, y: &mut [f32], places: &[u32]) {
+        let (low, high) = places.split_at(words_of(places.len()));
+        for (places, values) in [(low, &self.low), (high, &self.high)] {
+            for (&place, v) in places.iter().zip(values) {
+                y[place as usize] += v;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn sum<S: Simd>(&self, simd: S) -> f32 {
+        let (low, _) = S::as_simd_f32s(&self.low);
+        let (high, _) = S::as_simd_f32s(&self.high);
+        let mut sum = simd.splat_f32s(0.0);
+        for (&low, &high) in low.iter().zip(high) {
+            sum = simd.add_f32s(sum, simd.add_f32s(low, high));
+        }
+        simd.reduce_sum_f32s(sum)
+    }
+}
+
+/// Makes numbers of words.
+#[derive(Clone, Copy)]
+struct Decoder<S: Simd> {
+    to_low: S::u32s,
+    to_high: S::u32s,
+    mask: S::u32s,
+    or: S::u32s,
+}
+
+impl<S: Simd> Decoder<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Decoder<S> {
+        Decoder {
+            to_low: simd.splat_u32s(TO_LOW),
+            to_high: simd.splat_u32s(TO_HIGH),
+            mask: simd.splat_u32s(MASK),
+            or: simd.splat_u32s(OR),
+        }
+    }
+
+    #[inline(always)]
+    fn low(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.and_u32s(simd.wrapping_dyn_shl_u32s(words, self.to_low), self.mask);
+        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+    }
+
+    #[inline(always)]
+    fn high(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.and_u32s(simd.wrapping_dyn_shr_u32s(words, self.to_high), self.mask);
+        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+    }
+}
+
+/// What the columns of a strip give to one block of rows: the shares times `x`, which
+/// are the columns' values times their factors; `less` is what [`LEAST`] adds to each.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32], less: f32) -> Halves {
+    let mut out = Halves::zeros();
+    let mut from = 0;
+    while half - from > S::F32_LANES {
+        spread_some::<S, 2>(simd, (half, from), words, x, less, &mut out);
+        from += 2 * S::F32_LANES;
+        if from >= half {
+            return out;
+        }
+    }
+    spread_some::<S, 1>(simd, (half, from), words, x, less, &mut out);
+    out
+}
+
+#[inline(always)]
+fn spread_some<S: Simd, const N: usize>(
+    simd: S,
+    (half, from): (usize, usize),
+    words: &[u32],
+    x: &[f32],
+    less: f32,
+    out: &mut Halves,
+) {
+    let decoder = Decoder::new(simd);
+    let lanes = N * S::F32_LANES;
+    let zero = simd.splat_f32s(0.0);
+    let less = simd.splat_f32s(-less);
+    // Of columns by turns: twice as many sums in flight.
+    let mut even = ([less; N], [less; N]);
+    let mut odd = ([zero; N], [zero; N]);
+    let mut at = from;
+    let pairs = x.chunks_exact(2);
+    let last = pairs.remainder();
+    for pair in pairs {
+        step(simd, decoder, &words[at..at + lanes], pair[0], &mut even);
+        at += half;
+        step(simd, decoder, &words[at..at + lanes], pair[1], &mut odd);
+        at += half;
+    }
+    for &x in last {
+        step(simd, decoder, &words[at..at + lanes], x, &mut even);
+    }
+    let halves = [(&mut out.low, &even.0, &odd.0), (&mut out.high, &even.1, &odd.1)];
+    for (out, even, odd) in halves {
+        let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
+        for k in 0..N {
+            out[k] = simd.add_f32s(even[k], odd[k]);
+        }
+    }
+}
+
+/// Adds one column's part.
+#[inline(always)]
+fn step<S: Simd, const N: usize>(
+    simd: S,
+    decoder: Decoder<S>,
+    words: &[u32],
+    x: f32,
+    (low, high): &mut ([S::f32s; N], [S::f32s; N]),
+) {
+    let (column, _) = S::as_simd_u32s(words);
+    let x = simd.splat_f32s(x);
+    for k in 0..N {
+        low[k] = simd.mul_add_e_f32s(decoder.low(simd, column[k]), x, low[k]);
+        high[k] = simd.mul_add_e_f32s(decoder.high(simd, column[k]), x, high[k]);
+    }
+}
+
+/// Sums of a strip's columns while its blocks are gone through, lane by lane, and of the
+/// rows' values.
+pub struct Collected {
+    lanes: [f32; STRIP * WIDEST],
+    rows: f32,
+}
+
+impl Collected {
+    pub fn new() -> Collected {
+        Collected { lanes: [0.0; STRIP * WIDEST], rows: 0.0 }
+    }
+
+    /// Starts with another strip.
+    #[inline(always)]
+    fn begin<S: Simd>(&mut self, width: usize) {
+        self.lanes[..width * S::F32_LANES].fill(0.0);
+        self.rows = 0.0;
+    }
+
+    /// Adds the shares of one block times the rows' values.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, width: usize, words: &[u32], rows: usize, y: &Halves) {
+        let half = words_of(rows);
+        let mut from = 0;
+        while half - from > S::F32_LANES {
+            self.add_some::<S, 2>(simd, width, words, (half, from), y);
+            from += 2 * S::F32_LANES;
+            if from >= half {
+                break;
+            }
+        }
+        if from < half {
+            self.add_some::<S, 1>(simd, width, words, (half, from), y);
+        }
+        self.rows += y.sum(simd);
+    }
+
+    #[inline(always)]
+    fn add_some<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        width: usize,
+        words: &[u32],
+        (half, from): (usize, usize),
+        y: &Halves,
+    ) {
+        let decoder = Decoder::new(simd);
+        let lanes = N * S::F32_LANES;
+        let zero = simd.splat_f32s(0.0);
+        let (mut low, mut high) = ([zero; N], [zero; N]);
+        let (all_low, _) = S::as_simd_f32s(&y.low[from..from + lanes]);
+        let (all_high, _) = S::as_simd_f32s(&y.high[from..from + lanes]);
+        for ((low, high), (&l, &h)) in
+            low.iter_mut().zip(&mut high).zip(all_low.iter().zip(all_high))
+        {
+            (*low, *high) = (l, h);
+        }
+        let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
+        let mut at = from;
+        for sum in sums {
+            let (column, _) = S::as_simd_u32s(&words[at..at + lanes]);
+            let mut other = zero;
+            for k in 0..N {
+                *sum = simd.mul_add_e_f32s(decoder.low(simd, column[k]), low[k], *sum);
+                other = simd.mul_add_e_f32s(decoder.high(simd, column[k]), high[k], other);
+            }
+            *sum = simd.add_f32s(*sum, other);
+            at += half;
+        }
+    }
+
+    /// The sums.
+    #[inline(always)]
+    fn total<S: Simd>(&self, simd: S, out: &mut [f32]) {
+        let (sums, _) = S::as_simd_f32s(&self.lanes[..out.len() * S::F32_LANES]);
+        let less = LEAST * self.rows;
+        for (out, &sum) in out.iter_mut().zip(sums) {
+            *out = simd.reduce_sum_f32s(sum) - less;
+        }
+    }
+}
+
+/// From the 32nd on all bits, before it none; and the other way round.
+const FROM: [u32; 2 * STRIP] = window(true);
+const UP_TO: [u32; 2 * STRIP] = window(false);
+
+const fn window(from: bool) -> [u32; 2 * STRIP] {
+    let mut bits = [0; 2 * STRIP];
+    let mut k = 0;
+    while k < 2 * STRIP {
+        if (k >= STRIP) == from {
+            bits[k] = u32::MAX;
+        }
+        k += 1;
+    }
+    bits
+}
+
+/// x = T x for the columns of a strip, or x = Tᵀ x.
+#[inline(always)]
+fn turn<S: Simd, const BACK: bool>(simd: S, triangle: &[f32], x: &mut [f32]) {
+    let size = x.len();
+    let mut out = [0.0; STRIP];
+    let mut from = 0;
+    while from < size {
+        if size - from > S::F32_LANES {
+            turn_some::<S, BACK, 2>(simd, from, triangle, x, &mut out);
+        } else {
+            turn_some::<S, BACK, 1>(simd, from, triangle, x, &mut out);
+        }
+        from += 2 * S::F32_LANES;
+    }
+    x.copy_from_slice(&out[..size]);
+}
+
+#[inline(always)]
+fn turn_some<S: Simd, const BACK: bool, const N: usize>(
+    simd: S,
+    from: usize,
+    triangle: &[f32],
+    x: &[f32],
+    out: &mut [f32; STRIP],
+) {
+    let lanes = N * S::F32_LANES;
+    let size = x.len();
+    let mut even = [simd.splat_f32s(0.0); N];
+    let mut odd = even;
+    let mut at = from + usize::from(!BACK);
+    let mut window = from + STRIP;
+    let pairs = x.chunks_exact(2);
+    let last = pairs.remainder();
+    for pair in pairs {
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, pair[0], &mut even);
+        at += size + 1;
+        window -= 1;
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, pair[1], &mut odd);
+        at += size + 1;
+        window -= 1;
+    }
+    for &x in last {
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, x, &mut even);
+    }
+    let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
+    for k in 0..N {
+        out[k] = simd.add_f32s(even[k], odd[k]);
+    }
+}
+
+/// Adds one column's part, without what is on the other side of the diagonal.
+#[inline(always)]
+fn turn_step<S: Simd, const BACK: bool, const N: usize>(
+    simd: S,
+    column: &[f32],
+    window: usize,
+    x: f32,
+    sums: &mut [S::f32s; N],
+) {
+    let lanes = N * S::F32_LANES;
+    // Rows 0 to k on the way back, k and later ones on the way forward.
+    let bits = if BACK { &UP_TO[window - 1..] } else { &FROM[window..] };
+    let (bits, _) = S::as_simd_u32s(&bits[..lanes]);
+    let (column, _) = S::as_simd_u32s(bytemuck::cast_slice(column));
+    let x = simd.splat_f32s(x);
+    for k in 0..N {
+        let entries = simd.transmute_f32s_u32s(simd.and_u32s(column[k], bits[k]));
+        sums[k] = simd.mul_add_e_f32s(entries, x, sums[k]);
+    }
+}
+
+/// The factor of one front; words and entries of triangles may go on after it.
+#[derive(Clone, Copy)]
+pub struct Front<'a> {
+    pub shape: Shape,
+    pub words: &'a [u32],
+    pub triangles: &'a [f32],
+    pub factors: &'a [f32],
+}
+
+/// True for fronts of one strip.
+pub fn is_narrow(shape: Shape) -> bool {
+    shape.width <= STRIP
+}
+
+/// What the columns of a strip have for the rows below: values times factors, and zeros
+/// after them. Returns what [`LEAST`] adds to each share of these.
+#[inline(always)]
+fn given<S: Simd>(simd: S, x: &[f32], factors: &[f32], out: &mut [f32; STRIP]) -> f32 {
+    let mut sum = simd.splat_f32s(0.0);
+    let (out, _) = S::as_mut_simd_f32s(out);
+    let mut from = 0;
+    for out in out {
+        let rest = x.len().saturating_sub(from).min(S::F32_LANES);
+        let tail = Tail::new(simd, rest);
+        let (x, factors) = (&x[from.min(x.len())..], &factors[from.min(x.len())..]);
+        *out = simd.mul_f32s(tail.load(simd, x), tail.load(simd, factors));
+        sum = simd.add_f32s(sum, *out);
+        from += S::F32_LANES;
+    }
+    LEAST * simd.reduce_sum_f32s(sum)
+}
+
+/// The way forward through a narrow front: x = T x, and each block of its edge is given
+/// its part of -L₂ x.
+#[inline(always)]
+pub fn forward_narrow<S: Simd>(
+    simd: S,
+    front: Front<'_>,
+    x: &mut [f32],
+    mut give: impl FnMut(Range<usize>, &Halves),
+) {
+    turn::<S, false>(simd, front.triangles, x);
+    let mut values = [0.0; STRIP];
+    let less = given(simd, x, front.factors, &mut values);
+    let values = &values[..x.len()];
+    let mut at = 0;
+    for from in (0..front.shape.edge).step_by(BLOCK) {
+        let to = front.shape.edge.min(from + BLOCK);
+        let half = words_of(to - from);
+        give(from..to, &spread(simd, half, &front.words[at..], values, less));
+        at += half * values.len();
+    }
+}
+
+/// The way back through a narrow front, x = Tᵀ (x - L₂ᵀ edge), with the values of each
+/// block of its edge.
+#[inline(always)]
+pub fn backward_narrow<S: Simd>(
+    simd: S,
+    front: Front<'_>,
+    collected: &mut Collected,
+    x: &mut [f32],
+    take: impl Fn(Range<usize>) -> Halves,
+) {
+    let width = x.len();
+    collected.begin::<S>(width);
+    let mut at = 0;
+    for from in (0..front.shape.edge).step_by(BLOCK) {
+        let to = front.shape.edge.min(from + BLOCK);
+        collected.add(simd, width, &front.words[at..], to - from, &take(from..to));
+        at += words_of(to - from) * width;
+    }
+    let mut sums = [0.0; STRIP];
+    collected.total(simd, &mut sums[..width]);
+    add(x, front.factors, &sums);
+    turn::<S, true>(simd, front.triangles, x);
+}
+
+/// x = x + f s for the factors f of a strip's columns and what came together for them.
+#[inline(always)]
+fn add(x: &mut [f32], factors: &[f32], sums: &[f32]) {
+    for ((x, factor), sum) in x.iter_mut().zip(factors).zip(sums) {
+        *x += factor * sum;
+    }
+}
+
+/// What the columns of a panel have for the rows below, see [`given`].
+struct Given {
+    values: [[f32; STRIP]; TILE / STRIP],
+    less: [f32; TILE / STRIP],
+}
+
+/// x = L₁⁻¹ x, edge = edge - L₂ x for the two parts of a front's columns.
+pub fn forward(front: Front<'_>, x: &mut [f32], edge: &mut [f32], shared: bool) {
+    let Front { shape, mut words, mut triangles, factors } = front;
+    for panel in panels(shape) {
+        let (own, later) = x[panel.first..].split_at_mut(panel.width);
+        let mut given = Given { values: [[0.0; STRIP]; TILE / STRIP], less: [0.0; TILE / STRIP] };
+        let part = Front { shape, words, triangles, factors: &factors[panel.first..] };
+        pulp::Arch::new().dispatch(Inside { panel, part, own, given: &mut given });
+        let given = &given;
+        let of_own = panel.later.div_ceil(CHUNK);
+        let chunk = |k: usize, y: &mut [f32]| {
+            let words = &words[panel.chunk(k).1..];
+            pulp::Arch::new().dispatch(Chunk { panel, words, given, y });
+        };
+        let in_own = |(k, y): (usize, &mut [f32])| chunk(k, y);
+        let in_edge = |(k, y): (usize, &mut [f32])| chunk(of_own + k, y);
+        if shared {
+            rayon::join(
+                || later.par_chunks_mut(CHUNK).enumerate().for_each(in_own),
+                || edge.par_chunks_mut(CHUNK).enumerate().for_each(in_edge),
+            );
+        } else {
+            later.chunks_mut(CHUNK).enumerate().for_each(in_own);
+            edge.chunks_mut(CHUNK).enumerate().for_each(in_edge);
+        }
+        words = &words[panel.words()..];
+        triangles = &triangles[panel.triangles()..];
+    }
+}
+
+/// The way forward inside a panel.
+struct Inside<'a> {
+    panel: Panel,
+    part: Front<'a>,
+    own: &'a mut [f32],
+    given: &'a mut Given,
+}
+
+impl pulp::WithSimd for Inside<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Inside { panel, part, own, given: all } = self;
+        let (mut at, mut triangle) = (0, 0);
+        for (k, strip) in panel.strips().enumerate() {
+            let Strip { first, width } = strip;
+            let (x, later) = own[first..].split_at_mut(width);
+            let values = &mut all.values[k];
+            turn::<S, false>(simd, &part.triangles[triangle..], x);
+            triangle += strip.triangle();
+            let less = given(simd, x, &part.factors[first..], values);
+            all.less[k] = less;
+            let values = &values[..width];
+            at += spread_over(simd, &part.words[at..], values, less, later);
+        }
+    }
+}
+
+/// The way forward from a strip to rows that lie one after the other; returns how many
+/// words that took.
+#[inline(always)]
+fn spread_over<S: Simd>(simd: S, words: &[u32], x: &[f32], less: f32, y: &mut [f32]) -> usize {
+    let mut at = 0;
+    for y in y.chunks_mut(BLOCK) {
+        let half = words_of(y.len());
+        spread(simd, half, &words[at..], x, less).add_to(y);
+        at += half * x.len();
+    }
+    at
+}
+
+/// The way forward from a panel to one chunk.
+struct Chunk<'a> {
+    panel: Panel,
+    words: &'a [u32],
+    given: &'a Given,
+    y: &'a mut [f32],
+}
+
+impl pulp::WithSimd for Chunk<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Chunk { panel, words, given, y } = self;
+        let mut at = 0;
+        for ((strip, values), &less) in panel.strips().zip(&given.values).zip(&given.less) {
+            let values = &values[..strip.width];
+            at += spread_over(simd, &words[at..], values, less, y);
+        }
+    }
+}
+
+/// x = L₁⁻ᵀ (x - L₂ᵀ edge) for the two parts of a front's columns.
+pub fn backward(front: Front<'_>, x: &mut [f32], edge: &[f32], shared: bool) {
+    let mut at: usize = panels(front.shape).map(Panel::words).sum();
+    let mut triangle: usize = panels(front.shape).map(Panel::triangles).sum();
+    for panel in panels(front.shape).rev() {
+        at -= panel.words();
+        triangle -= panel.triangles();
+        let (own, later) = x[panel.first..].split_at_mut(panel.width);
+        let below = Below { panel, words: &front.words[at..], later, edge, shared };
+        let sums = below.collect(0..panel.chunks());
+        let part = Front {
+            words: below.words,
+            triangles: &front.triangles[triangle..],
+            factors: &front.factors[panel.first..],
+            ..front
+        };
+        pulp::Arch::new().dispatch(Back { panel, part, sums: &sums, own });
+    }
+}
+
+/// What is below a panel.
+struct Below<'a> {
+    panel: Panel,
+    words: &'a [u32],
+    later: &'a [f32],
+    edge: &'a [f32],
+    shared: bool,
+}
+
+impl Below<'_> {
+    /// Shares times values of some chunks, by column. Halves are added up, and so the
+    /// bits do not depend on who does which.
+    fn collect(&self, chunks: Range<usize>) -> [f32; TILE] {
+        let Range { start, end } = chunks;
+        if end - start <= 1 {
+            let mut sums = [0.0; TILE];
+            if start < end {
+                let (rows, at) = self.panel.chunk(start);
+                let later = self.panel.later;
+                let y = if rows.start < later {
+                    &self.later[rows]
+                } else {
+                    &self.edge[rows.start - later..rows.end - later]
+                };
+                let words = &self.words[at..];
+                pulp::Arch::new().dispatch(Collect {
+                    panel: self.panel,
+                    words,
+                    y,
+                    sums: &mut sums,
+                });
+            }
+            return sums;
+        }
+        let middle = start + (end - start) / 2;
+        let halves = (|| self.collect(start..middle), || self.collect(middle..end));
+        let (mut sums, more) =
+            if self.shared { rayon::join(halves.0, halves.1) } else { (halves.0(), halves.1()) };
+        sums.iter_mut().zip(&more).for_each(|(sum, v)| *sum += v);
+        sums
+    }
+}
+
+/// The way back from one chunk.
+struct Collect<'a> {
+    panel: Panel,
+    words: &'a [u32],
+    y: &'a [f32],
+    sums: &'a mut [f32; TILE],
+}
+
+impl pulp::WithSimd for Collect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Collect { panel, words, y, sums } = self;
+        let mut collected = Collected::new();
+        let mut at = 0;
+        for strip in panel.strips() {
+            collected.begin::<S>(strip.width);
+            at += collect_over(simd, &mut collected, strip.width, &words[at..], y);
+            collected.total(simd, &mut sums[strip.first..strip.first + strip.width]);
+        }
+    }
+}
+
+/// The way back from rows that lie one after the other to a strip; returns how many
+/// words that took.
+#[inline(always)]
+fn collect_over<S: Simd>(
+    simd: S,
+    collected: &mut Collected,
+    width: usize,
+    words: &[u32],
+    y: &[f32],
+) -> usize {
+    let mut at = 0;
+    for y in y.chunks(BLOCK) {
+        collected.add(simd, width, &words[at..], y.len(), &Halves::of(y));
+        at += words_of(y.len()) * width;
+    }
+    at
+}
+
+/// The way back inside a panel.
+struct Back<'a> {
+    panel: Panel,
+    part: Front<'a>,
+    sums: &'a [f32; TILE],
+    own: &'a mut [f32],
+}
+
+impl pulp::WithSimd for Back<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Back { panel, part, sums, own } = self;
+        let mut collected = Collected::new();
+        let (mut at, mut triangle) = (panel.all_inside(), panel.triangles());
+        for strip in panel.strips().rev() {
+            let Strip { first, width } = strip;
+            at -= panel.inside(strip);
+            triangle -= strip.triangle();
+            let (x, later) = own[first..].split_at_mut(width);
+            collected.begin::<S>(width);
+            collect_over(simd, &mut collected, width, &part.words[at..], later);
+            let mut all = [0.0; STRIP];
+            let all = &mut all[..width];
+            collected.total(simd, all);
+            all.iter_mut().zip(&sums[first..]).for_each(|(all, v)| *all += v);
+            add(x, &part.factors[first..], all);
+            turn::<S, true>(simd, &part.triangles[triangle..], x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pivot;
+    use super::super::shares::{self, Part, SLACK};
+    use super::*;
+
+    /// A front as a network's are, in double precision: columns that give away up to nine
+    /// tenths of what they have, in parts that differ by nine decades; and its entries.
+    struct Made {
+        shape: Shape,
+        dense: Vec<f64>,
+        words: Vec<u32>,
+        triangles: Vec<f32>,
+        factors: Vec<f32>,
+    }
+
+    fn number(k: usize) -> f64 {
+        ((k * 7919 + 13) % 101) as f64 / 101.0
+    }
+
+    impl Made {
+        fn new(width: usize, edge: usize, shared: bool) -> Made {
+            let shape = Shape { width, edge };
+            let height = shape.height();
+            let mut dense = vec![0.0; width * height];
+            let mut l = vec![0.0f32; shape.len()];
+            for j in 0..width {
+                let column = &mut dense[j * height..(j + 1) * height];
+                let raw = |i: usize| 10f64.powf(-9.0 * number(i * 31 + j * 17).powi(3));
+                let sum: f64 = (j + 1..height).map(raw).sum();
+                let size = 0.5 + number(j);
+                for (i, x) in column.iter_mut().enumerate().skip(j) {
+                    let part = if i == j { 1.0 } else { -0.9 * raw(i) / sum };
+                    let at = &mut l[shape.index(i, j)];
+                    *at = (size * part) as f32;
+                    *x = f64::from(*at);
+                }
+            }
+            for panel in 0..shape.panels() {
+                let (start, w) = (shape.panel_start(panel), shape.panel_width(panel));
+                pivot::invert_strips(&mut l[start..start + w * w], w);
+            }
+            let words: usize = panels(shape).map(Panel::words).sum();
+            let triangles: usize = panels(shape).map(Panel::triangles).sum();
+            let mut made = Made {
+                shape,
+                dense,
+                // What comes after the parts must not matter.
+                words: vec![0x7fff_7fff; words + SLACK],
+                triangles: vec![1e30; triangles + SLACK],
+                factors: vec![0.0; width],
+            };
+            let part = Part {
+                words: &mut made.words[..words],
+                triangles: &mut made.triangles[..triangles],
+                factors: &mut made.factors,
+                inverse: &mut vec![0.0; width],
+            };
+            shares::take(shape, &l, part, shared);
+            made
+        }
+
+        fn front(&self) -> Front<'_> {
+            let Made { shape, words, triangles, factors, .. } = self;
+            Front { shape: *shape, words, triangles, factors }
+        }
+
+        /// L₁⁻¹ x, and what is left to the edge.
+        fn down(&self, x: &[f64]) -> Vec<f64> {
+            let height = self.shape.height();
+            let mut x = x.to_vec();
+            for j in 0..self.shape.width {
+                x[j] /= self.dense[j * height + j];
+                for i in j + 1..height {
+                    x[i] -= self.dense[j * height + i] * x[j];
+                }
+            }
+            x
+        }
+
+        /// L₁⁻ᵀ x with the edge as it is.
+        fn up(&self, x: &[f64]) -> Vec<f64> {
+            let height = self.shape.height();
+            let mut x = x.to_vec();
+            for j in (0..self.shape.width).rev() {
+                for i in j + 1..height {
+                    x[j] -= self.dense[j * height + i] * x[i];
+                }
+                x[j] /= self.dense[j * height + j];
+            }
+            x
+        }
+    }
+
+    /// Both ways through a narrow front, with vectors of any kind.
+    struct Narrow<'a> {
+        front: Front<'a>,
+        down: &'a mut [f32],
+        above: &'a [f32],
+    }
+
+    impl pulp::WithSimd for Narrow<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Narrow { front, down, above } = self;
+            let (x, edge) = down.split_at_mut(front.shape.width);
+            forward_narrow(simd, front, x, |rows, v| v.add_to(&mut edge[rows]));
+            let take = |rows: Range<usize>| Halves::of(&above[rows]);
+            backward_narrow(simd, front, &mut Collected::new(), x, take);
+        }
+    }
+
+    /// What a front gives to its edge and what its columns get, against double precision:
+    /// nothing is negative, so that an entry's relative error of 2⁻¹² is the most; and
+    /// what is given in all is right to single precision, however it is shared out.
+    #[test]
+    fn shares_are_right_and_nothing_is_lost() {
+        let shapes = [(1, 0), (1, 1), (3, 13), (7, 33), (10, 54), (32, 64), (5, 300), (32, 600)];
+        let wide = [(33, 0), (40, 1), (100, 777), (256, 513), (300, 70), (700, 1100)];
+        for (width, edge) in shapes.into_iter().chain(wide) {
+            let made = Made::new(width, edge, width > 256);
+            let start: Vec<f64> = (0..width + edge)
+                .map(|k| if k < width { number(k * k + 1) } else { 0.0 })
+                .collect();
+            let above: Vec<f32> = (0..edge).map(|k| number(3 * k + 2) as f32).collect();
+            let down = made.down(&start);
+            let back: Vec<f64> =
+                down[..width].iter().copied().chain(above.iter().map(|&v| v.into())).collect();
+            let up = made.up(&back);
+
+            let single: Vec<f32> = start.iter().map(|&v| v as f32).collect();
+            let mut found = vec![];
+            if width <= STRIP {
+                let mut with = |run: &dyn Fn(Narrow<'_>)| {
+                    let mut x = single.clone();
+                    run(Narrow { front: made.front(), down: &mut x, above: &above });
+                    found.push(x);
+                };
+                // This processor's vectors, shorter ones, none.
+                with(&|work| pulp::Arch::new().dispatch(work));
+                with(&|work| pulp::WithSimd::with_simd(work, pulp::Scalar256b));
+                with(&|work| pulp::WithSimd::with_simd(work, pulp::Scalar));
+            }
+            for shared in [false, true] {
+                let mut all = single.clone();
+                let (x, edge) = all.split_at_mut(width);
+                forward(made.front(), x, edge, shared);
+                backward(made.front(), x, &above, shared);
+                found.push(all);
+            }
+            let [.., alone, together] = &found[..] else { unreachable!() };
+            assert_eq!(alone, together, "{width} {edge}");
+            for found in &found {
+                for (k, (found, expected)) in
+                    found.iter().zip(up[..width].iter().chain(&down[width..])).enumerate()
+                {
+                    let error = (f64::from(*found) - expected).abs();
+                    // Two entries are multiplied on the way through several strips.
+                    assert!(error < 1e-3 * expected, "{width} {edge} {k}: {found} {expected}");
+                }
+                let given: f64 = found[width..].iter().map(|&v| f64::from(v)).sum();
+                let expected: f64 = down[width..].iter().sum();
+                assert!((given - expected).abs() <= 3e-6 * expected, "{width} {edge} {given}");
+            }
+        }
+    }
+}
