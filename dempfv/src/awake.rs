@@ -68,3 +68,31 @@ fn wait(done: &AtomicBool) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rayon::prelude::*;
+
+    use super::*;
+
+    /// From inside and outside of the pool, whatever the threads that wait are busy with,
+    /// the work is done and comes back; when it panics, so does the caller, and nobody
+    /// waits for ever. Two threads: fewer than any machine's processors but one.
+    #[test]
+    fn the_work_comes_back() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let sum = |n: u64| {
+            let halves = || rayon::join(|| (0..n).into_par_iter().sum::<u64>(), || n);
+            (0..20).map(|_| halves().0).sum::<u64>()
+        };
+        for n in 0..200u64 {
+            let expected = 20 * n * n.saturating_sub(1) / 2;
+            assert_eq!(pool.install(|| awake(|| sum(n))), expected);
+            assert_eq!(pool.install(|| awake(|| awake(|| sum(n)))), expected);
+            assert_eq!(awake(|| sum(n)), expected);
+        }
+        let fails = || pool.install(|| awake(|| assert!(sum(3) == 0, "on purpose")));
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(fails)).is_err());
+        assert_eq!(pool.install(|| awake(|| sum(9))), 20 * 36);
+    }
+}

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use super::block::{Collected, Halves};
 use super::dense;
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
 use super::shares::Places;
-use super::sweep::{self, Collected, Front, Halves};
+use super::sweep::{self, Front};
 use super::symbolic::Pattern;
 
 /// Tasks with so many entries of the factor are worth another thread.

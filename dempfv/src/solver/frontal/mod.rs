@@ -22,6 +22,7 @@
 
 mod apply;
 mod assemble;
+mod block;
 mod dense;
 mod lanes;
 mod numeric;

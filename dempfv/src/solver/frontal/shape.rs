@@ -1,5 +1,4 @@
-//! How the entries of a front lie in memory while it is factored, and after that unless
-//! it is narrow.
+//! How the entries of a front lie in memory while it is factored.
 //!
 //! A front's lower trapezoid is cut into square tiles, each stored by columns,
 //! and the tiles follow each other panel by panel: what one task works on is

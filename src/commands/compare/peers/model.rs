@@ -60,5 +60,5 @@ impl Work {
 
 /// Bytes of an entry of the factor of a solver of ours.
 pub fn entry(solver: &str) -> f64 {
-    if solver == "frontal" { 4.0 } else { 8.0 }
+    if solver == "frontal" { 2.0 } else { 8.0 }
 }

@@ -1,0 +1,348 @@
+//! Products with the parts of a strip, vector by vector, for callers that were dispatched
+//! to a vector unit: shares by blocks of rows, and the inverse of the triangle.
+
+use pulp::Simd;
+
+use super::pivot::STRIP;
+use super::shares::{BLOCK, LEAST, MASK, OR, TO_HIGH, TO_LOW, words as words_of};
+
+/// Lanes of the widest vectors.
+const WIDEST: usize = 16;
+
+/// The two halves of a block's rows, as the words have them.
+#[derive(Clone, Copy)]
+pub struct Halves {
+    low: [f32; BLOCK / 2],
+    high: [f32; BLOCK / 2],
+}
+
+impl Halves {
+    #[inline(always)]
+    fn zeros() -> Halves {
+        Halves { low: [0.0; BLOCK / 2], high: [0.0; BLOCK / 2] }
+    }
+
+    /// Takes over values that lie one after the other.
+    #[inline(always)]
+    pub fn of(y: &[f32]) -> Halves {
+        let mut halves = Halves::zeros();
+        let (low, high) = y.split_at(words_of(y.len()));
+        halves.low[..low.len()].copy_from_slice(low);
+        halves.high[..high.len()].copy_from_slice(high);
+        halves
+    }
+
+    /// Takes over values by their places.
+    #[inline(always)]
+    pub fn at(y: &[f32], places: &[u32]) -> Halves {
+        let mut halves = Halves::zeros();
+        let (low, high) = places.split_at(words_of(places.len()));
+        for (places, out) in [(low, &mut halves.low), (high, &mut halves.high)] {
+            for (out, &place) in out.iter_mut().zip(places) {
+                *out = y[place as usize];
+            }
+        }
+        halves
+    }
+
+    #[inline(always)]
+    pub fn add_to(&self, y: &mut [f32]) {
+        let (low, high) = y.split_at_mut(words_of(y.len()));
+        low.iter_mut().zip(&self.low).for_each(|(y, v)| *y += v);
+        high.iter_mut().zip(&self.high).for_each(|(y, v)| *y += v);
+    }
+
+    #[inline(always)]
+    pub fn add_at(&self, y: &mut [f32], places: &[u32]) {
+        let (low, high) = places.split_at(words_of(places.len()));
+        for (places, values) in [(low, &self.low), (high, &self.high)] {
+            for (&place, v) in places.iter().zip(values) {
+                y[place as usize] += v;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn sum<S: Simd>(&self, simd: S) -> f32 {
+        let (low, _) = S::as_simd_f32s(&self.low);
+        let (high, _) = S::as_simd_f32s(&self.high);
+        let mut sum = simd.splat_f32s(0.0);
+        for (&low, &high) in low.iter().zip(high) {
+            sum = simd.add_f32s(sum, simd.add_f32s(low, high));
+        }
+        simd.reduce_sum_f32s(sum)
+    }
+}
+
+/// Makes numbers of words.
+#[derive(Clone, Copy)]
+struct Decoder<S: Simd> {
+    to_low: S::u32s,
+    to_high: S::u32s,
+    mask: S::u32s,
+    or: S::u32s,
+}
+
+impl<S: Simd> Decoder<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Decoder<S> {
+        Decoder {
+            to_low: simd.splat_u32s(TO_LOW),
+            to_high: simd.splat_u32s(TO_HIGH),
+            mask: simd.splat_u32s(MASK),
+            or: simd.splat_u32s(OR),
+        }
+    }
+
+    #[inline(always)]
+    fn low(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.and_u32s(simd.wrapping_dyn_shl_u32s(words, self.to_low), self.mask);
+        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+    }
+
+    #[inline(always)]
+    fn high(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.and_u32s(simd.wrapping_dyn_shr_u32s(words, self.to_high), self.mask);
+        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+    }
+}
+
+/// What the columns of a strip give to one block of rows: the shares times `x`, which
+/// are the columns' values times their factors; `less` is what [`LEAST`] adds to each.
+#[inline(always)]
+pub fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32], less: f32) -> Halves {
+    let mut out = Halves::zeros();
+    let mut from = 0;
+    while half - from > S::F32_LANES {
+        spread_some::<S, 2>(simd, (half, from), words, x, less, &mut out);
+        from += 2 * S::F32_LANES;
+        if from >= half {
+            return out;
+        }
+    }
+    spread_some::<S, 1>(simd, (half, from), words, x, less, &mut out);
+    out
+}
+
+#[inline(always)]
+fn spread_some<S: Simd, const N: usize>(
+    simd: S,
+    (half, from): (usize, usize),
+    words: &[u32],
+    x: &[f32],
+    less: f32,
+    out: &mut Halves,
+) {
+    let decoder = Decoder::new(simd);
+    let lanes = N * S::F32_LANES;
+    let zero = simd.splat_f32s(0.0);
+    let less = simd.splat_f32s(-less);
+    // Of columns by turns: twice as many sums in flight.
+    let mut even = ([less; N], [less; N]);
+    let mut odd = ([zero; N], [zero; N]);
+    let mut at = from;
+    let pairs = x.chunks_exact(2);
+    let last = pairs.remainder();
+    for pair in pairs {
+        step(simd, decoder, &words[at..at + lanes], pair[0], &mut even);
+        at += half;
+        step(simd, decoder, &words[at..at + lanes], pair[1], &mut odd);
+        at += half;
+    }
+    for &x in last {
+        step(simd, decoder, &words[at..at + lanes], x, &mut even);
+    }
+    let halves = [(&mut out.low, &even.0, &odd.0), (&mut out.high, &even.1, &odd.1)];
+    for (out, even, odd) in halves {
+        let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
+        for k in 0..N {
+            out[k] = simd.add_f32s(even[k], odd[k]);
+        }
+    }
+}
+
+/// Adds one column's part.
+#[inline(always)]
+fn step<S: Simd, const N: usize>(
+    simd: S,
+    decoder: Decoder<S>,
+    words: &[u32],
+    x: f32,
+    (low, high): &mut ([S::f32s; N], [S::f32s; N]),
+) {
+    let (column, _) = S::as_simd_u32s(words);
+    let x = simd.splat_f32s(x);
+    for k in 0..N {
+        low[k] = simd.mul_add_e_f32s(decoder.low(simd, column[k]), x, low[k]);
+        high[k] = simd.mul_add_e_f32s(decoder.high(simd, column[k]), x, high[k]);
+    }
+}
+
+/// Sums of a strip's columns while its blocks are gone through, lane by lane, and of the
+/// rows' values.
+pub struct Collected {
+    lanes: [f32; STRIP * WIDEST],
+    rows: f32,
+}
+
+impl Collected {
+    pub fn new() -> Collected {
+        Collected { lanes: [0.0; STRIP * WIDEST], rows: 0.0 }
+    }
+
+    /// Starts with another strip.
+    #[inline(always)]
+    pub fn begin<S: Simd>(&mut self, width: usize) {
+        self.lanes[..width * S::F32_LANES].fill(0.0);
+        self.rows = 0.0;
+    }
+
+    /// Adds the shares of one block times the rows' values.
+    #[inline(always)]
+    pub fn add<S: Simd>(&mut self, simd: S, width: usize, words: &[u32], rows: usize, y: &Halves) {
+        let half = words_of(rows);
+        let mut from = 0;
+        while half - from > S::F32_LANES {
+            self.add_some::<S, 2>(simd, width, words, (half, from), y);
+            from += 2 * S::F32_LANES;
+            if from >= half {
+                break;
+            }
+        }
+        if from < half {
+            self.add_some::<S, 1>(simd, width, words, (half, from), y);
+        }
+        self.rows += y.sum(simd);
+    }
+
+    #[inline(always)]
+    fn add_some<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        width: usize,
+        words: &[u32],
+        (half, from): (usize, usize),
+        y: &Halves,
+    ) {
+        let decoder = Decoder::new(simd);
+        let lanes = N * S::F32_LANES;
+        let zero = simd.splat_f32s(0.0);
+        let (mut low, mut high) = ([zero; N], [zero; N]);
+        let (all_low, _) = S::as_simd_f32s(&y.low[from..from + lanes]);
+        let (all_high, _) = S::as_simd_f32s(&y.high[from..from + lanes]);
+        for ((low, high), (&l, &h)) in
+            low.iter_mut().zip(&mut high).zip(all_low.iter().zip(all_high))
+        {
+            (*low, *high) = (l, h);
+        }
+        let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
+        let mut at = from;
+        for sum in sums {
+            let (column, _) = S::as_simd_u32s(&words[at..at + lanes]);
+            let mut other = zero;
+            for k in 0..N {
+                *sum = simd.mul_add_e_f32s(decoder.low(simd, column[k]), low[k], *sum);
+                other = simd.mul_add_e_f32s(decoder.high(simd, column[k]), high[k], other);
+            }
+            *sum = simd.add_f32s(*sum, other);
+            at += half;
+        }
+    }
+
+    /// The sums.
+    #[inline(always)]
+    pub fn total<S: Simd>(&self, simd: S, out: &mut [f32]) {
+        let (sums, _) = S::as_simd_f32s(&self.lanes[..out.len() * S::F32_LANES]);
+        let less = LEAST * self.rows;
+        for (out, &sum) in out.iter_mut().zip(sums) {
+            *out = simd.reduce_sum_f32s(sum) - less;
+        }
+    }
+}
+
+/// From the 32nd on all bits, before it none; and the other way round.
+const FROM: [u32; 2 * STRIP] = window(true);
+const UP_TO: [u32; 2 * STRIP] = window(false);
+
+const fn window(from: bool) -> [u32; 2 * STRIP] {
+    let mut bits = [0; 2 * STRIP];
+    let mut k = 0;
+    while k < 2 * STRIP {
+        if (k >= STRIP) == from {
+            bits[k] = u32::MAX;
+        }
+        k += 1;
+    }
+    bits
+}
+
+/// x = T x for the columns of a strip, or x = Tᵀ x.
+#[inline(always)]
+pub fn turn<S: Simd, const BACK: bool>(simd: S, triangle: &[f32], x: &mut [f32]) {
+    let size = x.len();
+    let mut out = [0.0; STRIP];
+    let mut from = 0;
+    while from < size {
+        if size - from > S::F32_LANES {
+            turn_some::<S, BACK, 2>(simd, from, triangle, x, &mut out);
+        } else {
+            turn_some::<S, BACK, 1>(simd, from, triangle, x, &mut out);
+        }
+        from += 2 * S::F32_LANES;
+    }
+    x.copy_from_slice(&out[..size]);
+}
+
+#[inline(always)]
+fn turn_some<S: Simd, const BACK: bool, const N: usize>(
+    simd: S,
+    from: usize,
+    triangle: &[f32],
+    x: &[f32],
+    out: &mut [f32; STRIP],
+) {
+    let lanes = N * S::F32_LANES;
+    let size = x.len();
+    let mut even = [simd.splat_f32s(0.0); N];
+    let mut odd = even;
+    let mut at = from + usize::from(!BACK);
+    let mut window = from + STRIP;
+    let pairs = x.chunks_exact(2);
+    let last = pairs.remainder();
+    for pair in pairs {
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, pair[0], &mut even);
+        at += size + 1;
+        window -= 1;
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, pair[1], &mut odd);
+        at += size + 1;
+        window -= 1;
+    }
+    for &x in last {
+        turn_step::<S, BACK, N>(simd, &triangle[at..at + lanes], window, x, &mut even);
+    }
+    let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
+    for k in 0..N {
+        out[k] = simd.add_f32s(even[k], odd[k]);
+    }
+}
+
+/// Adds one column's part, without what is on the other side of the diagonal.
+#[inline(always)]
+fn turn_step<S: Simd, const BACK: bool, const N: usize>(
+    simd: S,
+    column: &[f32],
+    window: usize,
+    x: f32,
+    sums: &mut [S::f32s; N],
+) {
+    let lanes = N * S::F32_LANES;
+    // Rows 0 to k on the way back, k and later ones on the way forward.
+    let bits = if BACK { &UP_TO[window - 1..] } else { &FROM[window..] };
+    let (bits, _) = S::as_simd_u32s(&bits[..lanes]);
+    let (column, _) = S::as_simd_u32s(bytemuck::cast_slice(column));
+    let x = simd.splat_f32s(x);
+    for k in 0..N {
+        let entries = simd.transmute_f32s_u32s(simd.and_u32s(column[k], bits[k]));
+        sums[k] = simd.mul_add_e_f32s(entries, x, sums[k]);
+    }
+}
