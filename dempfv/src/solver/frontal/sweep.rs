@@ -342,7 +342,8 @@ mod tests {
     use super::*;
 
     /// A front as a network's are, in double precision: columns that give away up to nine
-    /// tenths of what they have, in parts that differ by nine decades; and its entries.
+    /// tenths of what they have, in parts that differ by nine decades, and nothing to the
+    /// last row of a wider edge; and its entries.
     struct Made {
         shape: Shape,
         dense: Vec<f64>,
@@ -363,7 +364,10 @@ mod tests {
             let mut l = vec![0.0f32; shape.len()];
             for j in 0..width {
                 let column = &mut dense[j * height..(j + 1) * height];
-                let raw = |i: usize| 10f64.powf(-9.0 * number(i * 31 + j * 17).powi(3));
+                let raw = |i: usize| match edge > 1 && i + 1 == height {
+                    true => 0.0,
+                    false => 10f64.powf(-9.0 * number(i * 31 + j * 17).powi(3)),
+                };
                 let sum: f64 = (j + 1..height).map(raw).sum();
                 let size = 0.5 + number(j);
                 for (i, x) in column.iter_mut().enumerate().skip(j) {
@@ -494,8 +498,10 @@ mod tests {
                     found.iter().zip(up[..width].iter().chain(&down[width..])).enumerate()
                 {
                     let error = (f64::from(*found) - expected).abs();
-                    // Two entries are multiplied on the way through several strips.
-                    assert!(error < 1e-3 * expected, "{width} {edge} {k}: {found} {expected}");
+                    // Two entries are multiplied on the way through several strips. What
+                    // nothing goes to gets round-off of the least share.
+                    let bound = 1e-3 * expected + 1e-13;
+                    assert!(error < bound, "{width} {edge} {k}: {found} {expected}");
                 }
                 let given: f64 = found[width..].iter().map(|&v| f64::from(v)).sum();
                 let expected: f64 = down[width..].iter().sum();
