@@ -131,7 +131,8 @@ impl Coupled {
         self.networks.build_with(builder);
     }
 
-    /// Advances everything by `dt` (s).
+    /// Advances everything by `dt` (s). With 2,000 spheres or more the other threads of the
+    /// pool keep their processors busy meanwhile, unless remeshes run in the background.
     ///
     /// # Errors
     /// What the mechanics, the network or the solver report; the state is then

@@ -106,11 +106,7 @@ impl Solve<'_> {
         let shape = front.shape;
         let (x, edge) = own.split_at_mut(shape.width);
         let edge = &mut edge[..shape.edge];
-        if sweep::is_narrow(shape) {
-            pulp::Arch::new().dispatch(Forward { front, x, edge });
-        } else {
-            sweep::forward(front, x, edge, shape.len() >= SHARED);
-        }
+        sweep::forward(front, x, edge, shape.len() >= SHARED);
     }
 
     #[inline(always)]
@@ -166,11 +162,7 @@ impl Solve<'_> {
         let shape = front.shape;
         let (x, edge) = own.split_at_mut(shape.width);
         let edge = &edge[..shape.edge];
-        if sweep::is_narrow(shape) {
-            pulp::Arch::new().dispatch(Backward { front, x, edge });
-        } else {
-            sweep::backward(front, x, edge, shape.len() >= SHARED);
-        }
+        sweep::backward(front, x, edge, shape.len() >= SHARED);
         for &child in &task.children {
             let child = &self.plan.tasks[child as usize];
             let (edge, map) = self.edge_of(child);
@@ -271,40 +263,5 @@ impl<const FORWARD: bool> pulp::WithSimd for Subtree<'_, FORWARD> {
         } else {
             self.solve.backward_subtree(simd, self.task, self.own);
         }
-    }
-}
-
-/// The way forward through a narrow front.
-struct Forward<'a> {
-    front: Front<'a>,
-    x: &'a mut [f32],
-    edge: &'a mut [f32],
-}
-
-impl pulp::WithSimd for Forward<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Forward { front, x, edge } = self;
-        sweep::forward_narrow(simd, front, x, |rows, v| v.add_to(&mut edge[rows]));
-    }
-}
-
-/// The way back through a narrow front.
-struct Backward<'a> {
-    front: Front<'a>,
-    x: &'a mut [f32],
-    edge: &'a [f32],
-}
-
-impl pulp::WithSimd for Backward<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Backward { front, x, edge } = self;
-        let take = |rows: Range<usize>| Halves::of(&edge[rows]);
-        sweep::backward_narrow(simd, front, &mut Collected::new(), x, take);
     }
 }
