@@ -17,7 +17,7 @@ const WORTH: usize = 1 << 16;
 const SHARED: usize = 1 << 19;
 
 /// How many fronts ahead words are asked for, and how many of them at most.
-const NEXT: usize = 2;
+const NEXT: usize = 4;
 const AHEAD: usize = 1024;
 
 /// A factor in use.
@@ -115,9 +115,6 @@ impl Solve<'_> {
         for s in task.own.clone() {
             let front = self.front(s);
             let shape = front.shape;
-            if s + NEXT < task.own.end {
-                self.ask_for(s + NEXT);
-            }
             let column = (self.places.of(s).column - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             // The last one's edge is the task's.
