@@ -1,9 +1,8 @@
 //! How the pressures have gone, and where they will go next.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::operators::{SERIAL, TASK, for_each};
+use super::operators::with_pores;
 
 /// The unknown pressures of the last solves (Pa), by which the next ones are
 /// predicted: on the parabola through three of them, on the line through two.
@@ -43,12 +42,11 @@ impl Course {
         self.known = 0;
     }
 
-    /// Puts a prediction in the place of the last pressures.
-    pub(super) fn predict(&mut self) {
+    /// Puts a prediction in the place of the last pressures, and of those of their pores.
+    pub(super) fn predict(&mut self, pore_of: &[u32], pressure: &mut [f64]) {
         let [last, one_more] = &mut self.before;
-        let history = (self.now.as_mut_slice(), last.as_mut_slice(), one_more.as_mut_slice());
         let known = self.known;
-        in_parts(history, &|now, last, one_more| {
+        let part = |[now, last, one_more]: [&mut [f64]; 3], pores: &[u32], out: &mut [f64]| {
             let history = now.iter_mut().zip(last.iter_mut().zip(one_more));
             match known {
                 0 => {}
@@ -62,12 +60,28 @@ impl Course {
                     (*one_more, *last, *now) = (*last, *now, next);
                 }),
             }
-        });
+            spread(now, pores, out);
+        };
+        with_pores(pore_of, [&mut self.now, last, one_more], pressure, &part, &|(), ()| ());
     }
 
-    /// Adds a correction to the prediction.
-    pub(super) fn correct(&mut self, correction: &[f64]) {
-        for_each(&mut self.now, &|u, p| *p += correction[u]);
+    /// Adds a correction to the prediction, and to the pressures of the pores.
+    pub(super) fn correct(
+        &mut self,
+        correction: &mut [f64],
+        pore_of: &[u32],
+        pressure: &mut [f64],
+    ) -> Sizes {
+        let part = |[now, correction]: [&mut [f64]; 2], pores: &[u32], out: &mut [f64]| {
+            let mut sizes = Sizes::default();
+            for (now, correction) in now.iter_mut().zip(&*correction) {
+                *now += correction;
+                sizes = sizes.and(Sizes { change: correction.abs(), pressure: now.abs() });
+            }
+            spread(now, pores, out);
+            sizes
+        };
+        with_pores(pore_of, [&mut self.now, correction], pressure, &part, &Sizes::and)
     }
 
     /// The prediction has become a solution.
@@ -95,16 +109,30 @@ impl Course {
     }
 }
 
-/// Does something with parts of three vectors, on all threads if that pays.
-fn in_parts(
-    (a, b, c): (&mut [f64], &mut [f64], &mut [f64]),
-    work: &(impl Fn(&mut [f64], &mut [f64], &mut [f64]) + Sync),
-) {
-    if a.len() < SERIAL {
-        work(a, b, c);
-    } else {
-        let both = a.par_chunks_mut(TASK).zip(b.par_chunks_mut(TASK));
-        both.zip(c.par_chunks_mut(TASK)).for_each(|((a, b), c)| work(a, b, c));
+/// The largest change of a pressure and the largest pressure (Pa); not a number if one of
+/// them is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sizes {
+    pub change: f64,
+    pub pressure: f64,
+}
+
+impl Sizes {
+    fn and(self, other: Sizes) -> Sizes {
+        let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+        Sizes {
+            change: larger(self.change, other.change),
+            pressure: larger(self.pressure, other.pressure),
+        }
+    }
+}
+
+/// Writes the pressures of unknowns to those of their pores, the first of which is the
+/// first unknown's.
+fn spread(now: &[f64], pores: &[u32], out: &mut [f64]) {
+    let Some(&first) = pores.first() else { return };
+    for (p, &pore) in now.iter().zip(pores) {
+        out[(pore - first) as usize] = *p;
     }
 }
 
@@ -116,13 +144,13 @@ mod tests {
     /// first two give the line's 11.
     #[test]
     fn a_parabola_is_predicted() {
-        let mut course = Course::at_rest(1);
+        let (mut course, mut pressure) = (Course::at_rest(1), [0.0]);
         let p = |t: f64| 1.0 + 2.0 * t + 3.0 * t * t;
         for (t, next) in [(0.0, p(0.0)), (1.0, 11.0), (2.0, p(3.0))] {
             course.now[0] = p(t);
             course.solved();
-            course.predict();
-            assert_eq!(course.now[0], next);
+            course.predict(&[0], &mut pressure);
+            assert_eq!((course.now[0], pressure[0]), (next, next));
         }
     }
 }

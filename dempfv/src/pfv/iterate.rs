@@ -72,10 +72,9 @@ impl Flow {
         let Some(factor) = &mut self.factor else { return Ok(went) };
         let weakened = self.follower.as_ref().map_or(&[][..], |f| f.weakened());
         let gradients = &mut *self.gradients;
-        course.predict();
+        course.predict(&operators.pore_of, pressure);
         let solution = &mut course.now;
         gradients.fit(solution.len(), pressure.len());
-        operators.pressures(solution, pressure);
         operators.surplus(pressure, &self.volume_rate, rhs);
         let (level, round_off) = datum(&operators.boundary, solution.len());
         let (mut last, mut alpha, mut fall) = (0.0, 0.0, 0.0);

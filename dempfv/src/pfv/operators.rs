@@ -32,6 +32,30 @@ pub struct Operators {
     pub(super) forces: Forces,
 }
 
+/// What all pores together swallow (m³/s): the sum of their volume rates, and that of
+/// the sizes of these.
+#[derive(Clone, Copy)]
+pub(super) struct Growth {
+    sum: f64,
+    moved: f64,
+}
+
+impl Growth {
+    pub fn of(volume_rate: &[f64]) -> Growth {
+        let sums = |part: &[f64]| part.iter().fold((0.0, 0.0), |(g, m), v| (g + v, m + v.abs()));
+        let (sum, moved): (f64, f64) =
+            parts(volume_rate, sums, (0.0, 0.0), |(g, m), (v, w)| (g + v, m + w));
+        Growth { sum, moved }
+    }
+
+    /// See [`Operators::imbalance`], for the flux through each wall.
+    pub fn imbalance(self, flux: &[f64; 6]) -> f64 {
+        let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
+        let larger = through.max(self.sum.abs()).max(0.01 * self.moved);
+        if larger > 0.0 { (net - self.sum).abs() / larger } else { 0.0 }
+    }
+}
+
 /// A pore's throats: the pores beyond, and the conductances (m³/(Pa·s)). Where there is
 /// none, the pore itself and zero.
 #[derive(Clone, Copy, Debug)]
@@ -204,13 +228,7 @@ impl Operators {
     /// or the sum of the volume rates. Where the rates nearly cancel, a
     /// hundredth of their sum without signs counts. Zero when nothing flows.
     pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
-        let flux = self.flux(pressure, volume_rate);
-        let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
-        let sums = |part: &[f64]| part.iter().fold((0.0, 0.0), |(g, m), v| (g + v, m + v.abs()));
-        let (grown, moved): (f64, f64) =
-            parts(volume_rate, sums, (0.0, 0.0), |(g, m), (v, w)| (g + v, m + w));
-        let larger = through.max(grown.abs()).max(0.01 * moved);
-        if larger > 0.0 { (net - grown).abs() / larger } else { 0.0 }
+        Growth::of(volume_rate).imbalance(&self.flux(pressure, volume_rate))
     }
 
     /// What each free pore gains through its throats less what it swallows
@@ -297,6 +315,48 @@ pub(super) fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + S
             chunk.iter_mut().enumerate().for_each(|(k, v)| set(task * TASK + k, v));
         });
     }
+}
+
+/// Works through vectors over the unknowns and the pressures of all pores part by part,
+/// each with the pores of its unknowns; the first pressure of a part is that of its first
+/// unknown's pore. Returns what comes of the parts, joined.
+pub(super) fn with_pores<const K: usize, T: Send>(
+    pore_of: &[u32],
+    vectors: [&mut [f64]; K],
+    pressure: &mut [f64],
+    work: &(impl Fn([&mut [f64]; K], &[u32], &mut [f64]) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    let first = pore_of.first().map_or(0, |&pore| pore as usize);
+    let pressure = &mut pressure[first..];
+    if pore_of.len() < SERIAL {
+        work(vectors, pore_of, pressure)
+    } else {
+        halves(pore_of, vectors, pressure, work, join)
+    }
+}
+
+fn halves<const K: usize, T: Send>(
+    pore_of: &[u32],
+    vectors: [&mut [f64]; K],
+    pressure: &mut [f64],
+    work: &(impl Fn([&mut [f64]; K], &[u32], &mut [f64]) -> T + Sync),
+    join: &(impl Fn(T, T) -> T + Sync),
+) -> T {
+    if pore_of.len() <= TASK {
+        return work(vectors, pore_of, pressure);
+    }
+    let middle = pore_of.len() / 2;
+    let (left, right) = pore_of.split_at(middle);
+    let (before, after) = pressure.split_at_mut((right[0] - left[0]) as usize);
+    let mut both = vectors.map(|vector| vector.split_at_mut(middle));
+    let lower = both.each_mut().map(|both| std::mem::take(&mut both.0));
+    let upper = both.map(|both| both.1);
+    let (a, b) = rayon::join(
+        || halves(left, lower, before, work, join),
+        || halves(right, upper, after, work, join),
+    );
+    join(a, b)
 }
 
 /// Takes a vector part by part and joins what comes of the parts, in their order: the
