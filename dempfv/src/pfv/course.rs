@@ -153,4 +153,48 @@ mod tests {
             assert_eq!((course.now[0], pressure[0]), (next, next));
         }
     }
+
+    /// Every seventh pore has an imposed pressure and keeps it, the others get that of their
+    /// unknown, on one thread or many; and the sizes told are those of a loop.
+    #[test]
+    fn pressures_go_to_their_pores() {
+        for unknowns in [0, 1, 6, 100, 4_097, 50_000] {
+            let pore_of: Vec<u32> = (0..).filter(|k| k % 7 != 0).take(unknowns).collect();
+            let mut pressure = vec![-1.0; pore_of.last().map_or(1, |&k| k as usize + 3)];
+            let mut course = Course::at_rest(unknowns);
+            let mut correction: Vec<f64> =
+                (0..unknowns).map(|u| ((u * 7919) % 1009) as f64 - 504.0).collect();
+            let start = |u: usize| (u % 10) as f64;
+            course.now.iter_mut().enumerate().for_each(|(u, p)| *p = start(u));
+            course.predict(&pore_of, &mut pressure);
+            for (u, &pore) in pore_of.iter().enumerate() {
+                assert_eq!(pressure[pore as usize], start(u));
+            }
+            let sizes = course.correct(&mut correction, &pore_of, &mut pressure);
+            let mut expected = Sizes::default();
+            for (u, &pore) in pore_of.iter().enumerate() {
+                let p = start(u) + correction[u];
+                assert_eq!(pressure[pore as usize], p, "{unknowns} {u}");
+                expected.change = expected.change.max(correction[u].abs());
+                expected.pressure = expected.pressure.max(p.abs());
+            }
+            assert_eq!(sizes, expected);
+            let imposed = pressure.iter().enumerate().filter(|(k, _)| k % 7 == 0);
+            assert!(imposed.into_iter().all(|(_, &p)| p == -1.0));
+        }
+    }
+
+    /// One pressure that is none shows in what is told of all, wherever it is.
+    #[test]
+    fn what_is_no_number_is_told() {
+        let pore_of: Vec<u32> = (0..20_000).collect();
+        for at in [0, 777, 19_999] {
+            let mut course = Course::at_rest(pore_of.len());
+            let mut correction = vec![1.0; pore_of.len()];
+            correction[at] = f64::NAN;
+            let mut pressure = vec![0.0; pore_of.len()];
+            let sizes = course.correct(&mut correction, &pore_of, &mut pressure);
+            assert!(sizes.change.is_nan() && sizes.pressure.is_nan(), "{at} {sizes:?}");
+        }
+    }
 }

@@ -16,7 +16,9 @@ const WORTH: usize = 1 << 16;
 /// Fronts with so many entries share their chunks between threads.
 const SHARED: usize = 1 << 19;
 
-/// How many fronts ahead words are asked for, and how many of them at most.
+/// How many fronts ahead words are asked for on the way back, and how many of them at
+/// most. On the way forward memory is read from its start to its end, and asking costs more
+/// than it saves.
 const NEXT: usize = 4;
 const AHEAD: usize = 1024;
 

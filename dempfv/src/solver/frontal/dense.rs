@@ -30,8 +30,8 @@ impl<'a> Block<'a> {
     }
 }
 
-/// Asks for entries that are read soon: fronts are short, and what comes after
-/// one is more than the processor guesses.
+/// Has entries that are read soon brought into the second cache: into the first one only
+/// some twenty lines can be on their way at a time, and whoever asks for more waits.
 #[inline(always)]
 pub fn prefetch<T>(entries: &[T]) {
     #[cfg(target_arch = "x86_64")]
