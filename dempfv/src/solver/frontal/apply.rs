@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::block::{Collected, Halves};
-use super::dense;
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
 use super::shares::Places;
@@ -15,12 +14,6 @@ const WORTH: usize = 1 << 16;
 
 /// Fronts with so many entries share their chunks between threads.
 const SHARED: usize = 1 << 19;
-
-/// How many fronts ahead words are asked for on the way back, and how many of them at
-/// most. On the way forward memory is read from its start to its end, and asking costs more
-/// than it saves.
-const NEXT: usize = 4;
-const AHEAD: usize = 1024;
 
 /// A factor in use.
 pub struct Solve<'a> {
@@ -180,9 +173,6 @@ impl Solve<'_> {
         for s in task.own.clone().rev() {
             let front = self.front(s);
             let shape = front.shape;
-            if s >= task.own.start + NEXT {
-                self.ask_for(s - NEXT);
-            }
             let column = (self.places.of(s).column - from) as usize;
             let (x, rest) = own[column..].split_at_mut(shape.width);
             let last = s + 1 == task.own.end;
@@ -219,17 +209,6 @@ impl Solve<'_> {
     fn local_of(&self, s: usize) -> &[u32] {
         let start = &self.pattern.rows.start;
         &self.plan.local[start[s]..start[s + 1]]
-    }
-
-    /// Has a front brought near that comes next.
-    #[inline(always)]
-    fn ask_for(&self, s: usize) {
-        let (from, to) = (self.places.of(s), self.places.of(s + 1));
-        let words = &self.entries.words[from.words..to.words];
-        dense::prefetch(&words[..words.len().min(AHEAD)]);
-        let triangles = &self.entries.triangles[from.triangles..to.triangles];
-        dense::prefetch(&triangles[..triangles.len().min(AHEAD)]);
-        dense::prefetch(self.local_of(s));
     }
 
     #[inline(always)]

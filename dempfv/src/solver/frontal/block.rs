@@ -3,11 +3,18 @@
 
 use pulp::Simd;
 
+use super::lanes::fetch;
 use super::pivot::STRIP;
-use super::shares::{BLOCK, LEAST, MASK, OR, TO_HIGH, TO_LOW, words as words_of};
+use super::shares::{BLOCK, OFFSET, ONES, SCALE, words as words_of};
 
 /// Lanes of the widest vectors.
 const WIDEST: usize = 16;
+
+/// How far ahead words and triangles are asked for, in either: some two kilobytes, which
+/// are what a thread reads while memory answers. Each step asks for as much as it reads, so
+/// that few lines are on their way at a time.
+pub const AHEAD: isize = 768;
+const AHEAD_IN_TRIANGLES: isize = 512;
 
 /// The two halves of a block's rows, as the words have them.
 #[derive(Clone, Copy)]
@@ -61,66 +68,62 @@ impl Halves {
             }
         }
     }
-
-    #[inline(always)]
-    fn sum<S: Simd>(&self, simd: S) -> f32 {
-        let (low, _) = S::as_simd_f32s(&self.low);
-        let (high, _) = S::as_simd_f32s(&self.high);
-        let mut sum = simd.splat_f32s(0.0);
-        for (&low, &high) in low.iter().zip(high) {
-            sum = simd.add_f32s(sum, simd.add_f32s(low, high));
-        }
-        simd.reduce_sum_f32s(sum)
-    }
 }
 
-/// Makes numbers of words.
+/// Makes shares of words: third powers of their halves.
 #[derive(Clone, Copy)]
 struct Decoder<S: Simd> {
-    to_low: S::u32s,
-    to_high: S::u32s,
+    half: S::u32s,
     mask: S::u32s,
-    or: S::u32s,
+    ones: S::u32s,
+    scale: S::f32s,
+    offset: S::f32s,
 }
 
 impl<S: Simd> Decoder<S> {
     #[inline(always)]
     fn new(simd: S) -> Decoder<S> {
         Decoder {
-            to_low: simd.splat_u32s(TO_LOW),
-            to_high: simd.splat_u32s(TO_HIGH),
-            mask: simd.splat_u32s(MASK),
-            or: simd.splat_u32s(OR),
+            half: simd.splat_u32s(16),
+            mask: simd.splat_u32s(0xffff),
+            ones: simd.splat_u32s(ONES.to_bits()),
+            scale: simd.splat_f32s(SCALE),
+            offset: simd.splat_f32s(OFFSET),
         }
     }
 
     #[inline(always)]
     fn low(self, simd: S, words: S::u32s) -> S::f32s {
-        let bits = simd.and_u32s(simd.wrapping_dyn_shl_u32s(words, self.to_low), self.mask);
-        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+        self.share(simd, simd.and_u32s(words, self.mask))
     }
 
     #[inline(always)]
     fn high(self, simd: S, words: S::u32s) -> S::f32s {
-        let bits = simd.and_u32s(simd.wrapping_dyn_shr_u32s(words, self.to_high), self.mask);
-        simd.transmute_f32s_u32s(simd.or_u32s(bits, self.or))
+        self.share(simd, simd.wrapping_dyn_shr_u32s(words, self.half))
+    }
+
+    #[inline(always)]
+    fn share(self, simd: S, half: S::u32s) -> S::f32s {
+        let number = simd.transmute_f32s_u32s(simd.or_u32s(half, self.ones));
+        let root = simd.mul_add_e_f32s(number, self.scale, self.offset);
+        simd.mul_f32s(simd.mul_f32s(root, root), root)
     }
 }
 
 /// What the columns of a strip give to one block of rows: the shares times `x`, which
-/// are the columns' values times their factors; `less` is what [`LEAST`] adds to each.
+/// are the columns' values times their factors.
 #[inline(always)]
-pub fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32], less: f32) -> Halves {
+pub fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32]) -> Halves {
     let mut out = Halves::zeros();
     let mut from = 0;
     while half - from > S::F32_LANES {
-        spread_some::<S, 2>(simd, (half, from), words, x, less, &mut out);
+        spread_some::<S, 2>(simd, (half, from), words, x, &mut out);
         from += 2 * S::F32_LANES;
         if from >= half {
             return out;
         }
     }
-    spread_some::<S, 1>(simd, (half, from), words, x, less, &mut out);
+    spread_some::<S, 1>(simd, (half, from), words, x, &mut out);
     out
 }
 
@@ -130,15 +133,13 @@ fn spread_some<S: Simd, const N: usize>(
     (half, from): (usize, usize),
     words: &[u32],
     x: &[f32],
-    less: f32,
     out: &mut Halves,
 ) {
     let decoder = Decoder::new(simd);
     let lanes = N * S::F32_LANES;
     let zero = simd.splat_f32s(0.0);
-    let less = simd.splat_f32s(-less);
     // Of columns by turns: twice as many sums in flight.
-    let mut even = ([less; N], [less; N]);
+    let mut even = ([zero; N], [zero; N]);
     let mut odd = ([zero; N], [zero; N]);
     let mut at = from;
     let pairs = x.chunks_exact(2);
@@ -170,6 +171,7 @@ fn step<S: Simd, const N: usize>(
     x: f32,
     (low, high): &mut ([S::f32s; N], [S::f32s; N]),
 ) {
+    fetch(words, AHEAD);
     let (column, _) = S::as_simd_u32s(words);
     let x = simd.splat_f32s(x);
     for k in 0..N {
@@ -178,41 +180,46 @@ fn step<S: Simd, const N: usize>(
     }
 }
 
-/// Sums of a strip's columns while its blocks are gone through, lane by lane, and of the
-/// rows' values.
+/// Sums of a strip's columns while its blocks are gone through, lane by lane.
 pub struct Collected {
     lanes: [f32; STRIP * WIDEST],
-    rows: f32,
 }
 
 impl Collected {
     pub fn new() -> Collected {
-        Collected { lanes: [0.0; STRIP * WIDEST], rows: 0.0 }
+        Collected { lanes: [0.0; STRIP * WIDEST] }
     }
 
     /// Starts with another strip.
     #[inline(always)]
     pub fn begin<S: Simd>(&mut self, width: usize) {
         self.lanes[..width * S::F32_LANES].fill(0.0);
-        self.rows = 0.0;
     }
 
-    /// Adds the shares of one block times the rows' values.
+    /// Adds the shares of one block times the rows' values. Words are asked for so far
+    /// `ahead`, or behind if what comes next lies there.
     #[inline(always)]
-    pub fn add<S: Simd>(&mut self, simd: S, width: usize, words: &[u32], rows: usize, y: &Halves) {
+    pub fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        width: usize,
+        words: &[u32],
+        ahead: isize,
+        rows: usize,
+        y: &Halves,
+    ) {
         let half = words_of(rows);
         let mut from = 0;
         while half - from > S::F32_LANES {
-            self.add_some::<S, 2>(simd, width, words, (half, from), y);
+            self.add_some::<S, 2>(simd, width, words, ahead, (half, from), y);
             from += 2 * S::F32_LANES;
             if from >= half {
                 break;
             }
         }
         if from < half {
-            self.add_some::<S, 1>(simd, width, words, (half, from), y);
+            self.add_some::<S, 1>(simd, width, words, ahead, (half, from), y);
         }
-        self.rows += y.sum(simd);
     }
 
     #[inline(always)]
@@ -221,6 +228,7 @@ impl Collected {
         simd: S,
         width: usize,
         words: &[u32],
+        ahead: isize,
         (half, from): (usize, usize),
         y: &Halves,
     ) {
@@ -238,7 +246,9 @@ impl Collected {
         let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
         let mut at = from;
         for sum in sums {
-            let (column, _) = S::as_simd_u32s(&words[at..at + lanes]);
+            let words = &words[at..at + lanes];
+            fetch(words, ahead);
+            let (column, _) = S::as_simd_u32s(words);
             let mut other = zero;
             for k in 0..N {
                 *sum = simd.mul_add_e_f32s(decoder.low(simd, column[k]), low[k], *sum);
@@ -253,9 +263,8 @@ impl Collected {
     #[inline(always)]
     pub fn total<S: Simd>(&self, simd: S, out: &mut [f32]) {
         let (sums, _) = S::as_simd_f32s(&self.lanes[..out.len() * S::F32_LANES]);
-        let less = LEAST * self.rows;
         for (out, &sum) in out.iter_mut().zip(sums) {
-            *out = simd.reduce_sum_f32s(sum) - less;
+            *out = simd.reduce_sum_f32s(sum);
         }
     }
 }
@@ -336,6 +345,7 @@ fn turn_step<S: Simd, const BACK: bool, const N: usize>(
     sums: &mut [S::f32s; N],
 ) {
     let lanes = N * S::F32_LANES;
+    fetch(column, if BACK { -AHEAD_IN_TRIANGLES } else { AHEAD_IN_TRIANGLES });
     // Rows 0 to k on the way back, k and later ones on the way forward.
     let bits = if BACK { &UP_TO[window - 1..] } else { &FROM[window..] };
     let (bits, _) = S::as_simd_u32s(&bits[..lanes]);

@@ -30,20 +30,6 @@ impl<'a> Block<'a> {
     }
 }
 
-/// Has entries that are read soon brought into the second cache: into the first one only
-/// some twenty lines can be on their way at a time, and whoever asks for more waits.
-#[inline(always)]
-pub fn prefetch<T>(entries: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    for line in entries.chunks(16) {
-        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
-        // SAFETY: every x86-64 has the instruction, and it reads nothing.
-        unsafe { _mm_prefetch::<_MM_HINT_T1>(line.as_ptr().cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = entries;
-}
-
 /// C = β C - A Bᵀ over `k` columns of A and B; C has the rows of A, and as many
 /// columns as B has rows.
 pub fn subtract_product(

@@ -5,11 +5,11 @@ use std::ops::Range;
 use pulp::Simd;
 use rayon::prelude::*;
 
-use super::block::{Collected, Halves, spread, turn};
+use super::block::{AHEAD, Collected, Halves, spread, turn};
 use super::lanes::Tail;
 use super::pivot::STRIP;
 use super::shape::{Shape, TILE};
-use super::shares::{BLOCK, CHUNK, LEAST, Panel, Strip, panels, words as words_of};
+use super::shares::{BLOCK, CHUNK, Panel, Strip, panels, words as words_of};
 
 /// The factor of one front; words and entries of triangles may go on after it.
 #[derive(Clone, Copy)]
@@ -26,10 +26,9 @@ pub fn is_narrow(shape: Shape) -> bool {
 }
 
 /// What the columns of a strip have for the rows below: values times factors, and zeros
-/// after them. Returns what [`LEAST`] adds to each share of these.
+/// after them.
 #[inline(always)]
-fn given<S: Simd>(simd: S, x: &[f32], factors: &[f32], out: &mut [f32; STRIP]) -> f32 {
-    let mut sum = simd.splat_f32s(0.0);
+fn given<S: Simd>(simd: S, x: &[f32], factors: &[f32], out: &mut [f32; STRIP]) {
     let (out, _) = S::as_mut_simd_f32s(out);
     let mut from = 0;
     for out in out {
@@ -37,10 +36,8 @@ fn given<S: Simd>(simd: S, x: &[f32], factors: &[f32], out: &mut [f32; STRIP]) -
         let tail = Tail::new(simd, rest);
         let (x, factors) = (&x[from.min(x.len())..], &factors[from.min(x.len())..]);
         *out = simd.mul_f32s(tail.load(simd, x), tail.load(simd, factors));
-        sum = simd.add_f32s(sum, *out);
         from += S::F32_LANES;
     }
-    LEAST * simd.reduce_sum_f32s(sum)
 }
 
 /// The way forward through a narrow front: x = T x, and each block of its edge is given
@@ -54,13 +51,13 @@ pub fn forward_narrow<S: Simd>(
 ) {
     turn::<S, false>(simd, front.triangles, x);
     let mut values = [0.0; STRIP];
-    let less = given(simd, x, front.factors, &mut values);
+    given(simd, x, front.factors, &mut values);
     let values = &values[..x.len()];
     let mut at = 0;
     for from in (0..front.shape.edge).step_by(BLOCK) {
         let to = front.shape.edge.min(from + BLOCK);
         let half = words_of(to - from);
-        give(from..to, &spread(simd, half, &front.words[at..], values, less));
+        give(from..to, &spread(simd, half, &front.words[at..], values));
         at += half * values.len();
     }
 }
@@ -80,7 +77,7 @@ pub fn backward_narrow<S: Simd>(
     let mut at = 0;
     for from in (0..front.shape.edge).step_by(BLOCK) {
         let to = front.shape.edge.min(from + BLOCK);
-        collected.add(simd, width, &front.words[at..], to - from, &take(from..to));
+        collected.add(simd, width, &front.words[at..], -AHEAD, to - from, &take(from..to));
         at += words_of(to - from) * width;
     }
     let mut sums = [0.0; STRIP];
@@ -97,18 +94,15 @@ fn add(x: &mut [f32], factors: &[f32], sums: &[f32]) {
     }
 }
 
-/// What the columns of a panel have for the rows below, see [`given`].
-struct Given {
-    values: [[f32; STRIP]; TILE / STRIP],
-    less: [f32; TILE / STRIP],
-}
+/// What the strips of a panel have for the rows below, see [`given`].
+type Given = [[f32; STRIP]; TILE / STRIP];
 
 /// x = L₁⁻¹ x, edge = edge - L₂ x for the two parts of a front's columns.
 pub fn forward(front: Front<'_>, x: &mut [f32], edge: &mut [f32], shared: bool) {
     let Front { shape, mut words, mut triangles, factors } = front;
     for panel in panels(shape) {
         let (own, later) = x[panel.first..].split_at_mut(panel.width);
-        let mut given = Given { values: [[0.0; STRIP]; TILE / STRIP], less: [0.0; TILE / STRIP] };
+        let mut given: Given = [[0.0; STRIP]; TILE / STRIP];
         let part = Front { shape, words, triangles, factors: &factors[panel.first..] };
         pulp::Arch::new().dispatch(Inside { panel, part, own, given: &mut given });
         let given = &given;
@@ -151,13 +145,12 @@ impl pulp::WithSimd for Inside<'_> {
         for (k, strip) in panel.strips().enumerate() {
             let Strip { first, width } = strip;
             let (x, later) = own[first..].split_at_mut(width);
-            let values = &mut all.values[k];
+            let values = &mut all[k];
             turn::<S, false>(simd, &part.triangles[triangle..], x);
             triangle += strip.triangle();
-            let less = given(simd, x, &part.factors[first..], values);
-            all.less[k] = less;
+            given(simd, x, &part.factors[first..], values);
             let values = &values[..width];
-            at += spread_over(simd, &part.words[at..], values, less, later);
+            at += spread_over(simd, &part.words[at..], values, later);
         }
     }
 }
@@ -165,11 +158,11 @@ impl pulp::WithSimd for Inside<'_> {
 /// The way forward from a strip to rows that lie one after the other; returns how many
 /// words that took.
 #[inline(always)]
-fn spread_over<S: Simd>(simd: S, words: &[u32], x: &[f32], less: f32, y: &mut [f32]) -> usize {
+fn spread_over<S: Simd>(simd: S, words: &[u32], x: &[f32], y: &mut [f32]) -> usize {
     let mut at = 0;
     for y in y.chunks_mut(BLOCK) {
         let half = words_of(y.len());
-        spread(simd, half, &words[at..], x, less).add_to(y);
+        spread(simd, half, &words[at..], x).add_to(y);
         at += half * x.len();
     }
     at
@@ -190,9 +183,9 @@ impl pulp::WithSimd for Chunk<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Chunk { panel, words, given, y } = self;
         let mut at = 0;
-        for ((strip, values), &less) in panel.strips().zip(&given.values).zip(&given.less) {
+        for (strip, values) in panel.strips().zip(given) {
             let values = &values[..strip.width];
-            at += spread_over(simd, &words[at..], values, less, y);
+            at += spread_over(simd, &words[at..], values, y);
         }
     }
 }
@@ -296,7 +289,7 @@ fn collect_over<S: Simd>(
 ) -> usize {
     let mut at = 0;
     for y in y.chunks(BLOCK) {
-        collected.add(simd, width, &words[at..], y.len(), &Halves::of(y));
+        collected.add(simd, width, &words[at..], AHEAD, y.len(), &Halves::of(y));
         at += words_of(y.len()) * width;
     }
     at
