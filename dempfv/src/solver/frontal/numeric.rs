@@ -240,7 +240,9 @@ fn eliminate(
     Ok(())
 }
 
-/// What the eliminated columns subtract from the rest of the front.
+/// What the eliminated columns subtract from the rest of the front, which is zero before.
+/// The first of them write and do not read: memory whose zeros are read before they are
+/// written to comes twice from the system, and the second time all threads wait.
 fn complement(shape: Shape, l: &[f32], entries: &mut [f32], shared: bool) {
     let square = Shape { width: shape.edge, edge: 0 };
     let mut rest = entries;
@@ -270,7 +272,7 @@ fn complement(shape: Shape, l: &[f32], entries: &mut [f32], shared: bool) {
                 Block::packed(&l[a..a + rows.len * k], rows.len),
                 Block::packed(&l[b..b + n * k], n),
                 k,
-                1.0,
+                if panel == 0 { 0.0 } else { 1.0 },
             );
         }
     });
