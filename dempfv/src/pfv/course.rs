@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::operators::with_pores;
+use crate::size::largest;
 
 /// The unknown pressures of the last solves (Pa), by which the next ones are
 /// predicted: on the parabola through three of them, on the line through two.
@@ -73,13 +74,9 @@ impl Course {
         pressure: &mut [f64],
     ) -> Sizes {
         let part = |[now, correction]: [&mut [f64]; 2], pores: &[u32], out: &mut [f64]| {
-            let mut sizes = Sizes::default();
-            for (now, correction) in now.iter_mut().zip(&*correction) {
-                *now += correction;
-                sizes = sizes.and(Sizes { change: correction.abs(), pressure: now.abs() });
-            }
+            now.iter_mut().zip(&*correction).for_each(|(now, correction)| *now += correction);
             spread(now, pores, out);
-            sizes
+            Sizes { change: largest(correction), pressure: largest(now) }
         };
         with_pores(pore_of, [&mut self.now, correction], pressure, &part, &Sizes::and)
     }
@@ -110,7 +107,7 @@ impl Course {
 }
 
 /// The largest change of a pressure and the largest pressure (Pa); not a number if one of
-/// them is none.
+/// them is not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Sizes {
     pub change: f64,
@@ -119,10 +116,9 @@ pub(super) struct Sizes {
 
 impl Sizes {
     fn and(self, other: Sizes) -> Sizes {
-        let larger = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
         Sizes {
-            change: larger(self.change, other.change),
-            pressure: larger(self.pressure, other.pressure),
+            change: largest(&[self.change, other.change]),
+            pressure: largest(&[self.pressure, other.pressure]),
         }
     }
 }

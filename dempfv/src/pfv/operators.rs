@@ -6,12 +6,16 @@ use rayon::prelude::*;
 use super::outlets::Outlets;
 use super::{Boundary, Derivatives, NONE, Network, PfvError, Tessellation};
 use crate::solver::SymmetricCsc;
+use crate::fetch::fetch;
 use crate::{Vec3, WallId};
 
 /// Below this many pores one thread is faster than handing work over.
 pub(super) const SERIAL: usize = 16_384;
 /// Pores or spheres that one task takes.
 pub(super) const TASK: usize = 4_096;
+
+/// How many vectors of space ahead what a loop reads is asked for: 1.5 kB.
+const AHEAD: isize = 64;
 
 /// `G`, `E` and `F` for one network and its boundary conditions.
 #[derive(Clone, Debug)]
@@ -184,6 +188,7 @@ impl Operators {
     pub fn volume_rate(&self, velocity: &[Vec3], wall_velocity: &[f64; 6], out: &mut [f64]) {
         let spheres = velocity.len();
         let rate = |i: usize| {
+            fetch(&self.volume.gradient[i], AHEAD / 4);
             let mut sum = 0.0;
             for (&v, g) in self.volume.vertices[i].iter().zip(&self.volume.gradient[i]) {
                 sum += match velocity.get(v as usize) {
@@ -238,7 +243,7 @@ impl Operators {
     pub fn surplus(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
         for_each(out, &|u, surplus| {
             let i = self.pore_of[u] as usize;
-            let Joints { pore, conductance } = &self.joints[u];
+            let Joints { pore, conductance } = self.joints_of(u);
             let here = pressure[i];
             let mut sum = -volume_rate[i];
             for (&j, g) in pore.iter().zip(conductance) {
@@ -252,7 +257,7 @@ impl Operators {
     /// all pores.
     pub(super) fn conduct(&self, spread: &[f64], out: &mut [f64]) {
         for_each(out, &|u, product| {
-            let Joints { pore, conductance } = &self.joints[u];
+            let Joints { pore, conductance } = self.joints_of(u);
             let here = spread[self.pore_of[u] as usize];
             let mut sum = 0.0;
             for (&j, g) in pore.iter().zip(conductance) {
@@ -260,6 +265,13 @@ impl Operators {
             }
             *product = sum;
         });
+    }
+
+    #[inline(always)]
+    fn joints_of(&self, u: usize) -> &Joints {
+        let joints = &self.joints[u];
+        fetch(std::slice::from_ref(joints), AHEAD / 2);
+        joints
     }
 
     /// Takes over conductances that have changed.
@@ -297,6 +309,7 @@ impl Forces {
 
     fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
         let push = &self.push[self.pores.range(row)];
+        fetch(push, AHEAD);
         self.pores
             .of(row)
             .iter()

@@ -3,9 +3,9 @@
 
 use pulp::Simd;
 
-use super::lanes::fetch;
 use super::pivot::STRIP;
 use super::shares::{BLOCK, OFFSET, ONES, SCALE, words as words_of};
+use crate::fetch::fetch;
 
 /// Lanes of the widest vectors.
 const WIDEST: usize = 16;

@@ -10,20 +10,6 @@ use super::pivot::STRIP;
 /// long from memory. Of shorter ones several share the work around them.
 const LONG: usize = 64;
 
-/// Has what lies so many entries ahead of one or two vectors brought near.
-#[inline(always)]
-pub fn fetch<T>(vectors: &[T], ahead: isize) {
-    #[cfg(target_arch = "x86_64")]
-    for line in vectors.chunks(64 / size_of::<T>()) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: every x86-64 has the instruction, and it may name any address: it reads
-        // nothing.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().wrapping_offset(ahead).cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (vectors, ahead);
-}
-
 /// y = y - A x for columns that are `stride` apart.
 #[inline(always)]
 pub fn subtract_times<S: Simd>(simd: S, y: &mut [f32], a: &[f32], stride: usize, x: &[f32]) {

@@ -41,6 +41,7 @@ use super::{
     Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
     ordering, require_size,
 };
+use crate::size::largest;
 use crate::solver::tree::NONE;
 use apply::Solve;
 use numeric::{Entries, Factorization, Stopped};
@@ -193,16 +194,18 @@ impl FrontalFactor {
     }
 
     /// x = A⁻¹ b to single precision, for a right-hand side of this size.
-    fn apply(&mut self, b: &[f64], largest: f64, x: &mut [f64]) {
+    fn apply(&mut self, b: &[f64], size: f64, x: &mut [f64]) {
         let Analyzed { pattern, plan, places, .. } = &self.analyzed;
-        if largest == 0.0 {
+        if size == 0.0 {
             x.fill(0.0);
             return;
         }
+        // Of the smallest sizes there is no inverse.
+        let to_one = size.recip().min(f64::MAX);
         let vectors = &mut self.vectors;
         let part = |(out, unknowns): (&mut [f32], &[u32])| {
             for (v, &unknown) in out.iter_mut().zip(unknowns) {
-                *v = if unknown == NONE { 0.0 } else { (b[unknown as usize] / largest) as f32 };
+                *v = if unknown == NONE { 0.0 } else { (b[unknown as usize] * to_one) as f32 };
             }
         };
         if plan.is_shared {
@@ -212,7 +215,7 @@ impl FrontalFactor {
             part((vectors, &plan.unknown));
         }
         Solve { pattern, plan, places, entries: &self.entries }.run(vectors);
-        let scale = largest * self.system.scale;
+        let scale = self.system.scale / to_one;
         let vectors = &*vectors;
         let part = |(x, places): (&mut [f64], &[u32])| {
             for (x, &place) in x.iter_mut().zip(places) {
@@ -229,8 +232,8 @@ impl FrontalFactor {
     /// Size of a right-hand side.
     fn size_of(&self, b: &[f64]) -> Result<f64, SolverError> {
         let size = match self.analyzed.plan.is_shared {
-            true => b.par_chunks(CHUNK).map(norm).reduce(|| 0.0, |a, b| norm(&[a, b])),
-            false => norm(b),
+            true => b.par_chunks(CHUNK).map(largest).reduce(|| 0.0, |a, b| largest(&[a, b])),
+            false => largest(b),
         };
         if size.is_finite() {
             return Ok(size);
@@ -253,12 +256,12 @@ impl Factor for FrontalFactor {
         self.apply(b, size, x);
         let mut residual = std::mem::take(&mut self.residual);
         let mut correction = std::mem::take(&mut self.correction);
-        let (mut last, mut stalled) = (norm(x), 0);
+        let (mut last, mut stalled) = (largest(x), 0);
         for _ in 0..CORRECTIONS {
             self.system.residual(b, x, &mut residual);
-            let size = norm(&residual);
+            let size = largest(&residual);
             self.apply(&residual, size, &mut correction);
-            let size = norm(&correction);
+            let size = largest(&correction);
             // One that does not shrink may have been behind the noise of the
             // one before; two are round-off.
             stalled = if size > 0.5 * last { stalled + 1 } else { 0 };
@@ -267,7 +270,7 @@ impl Factor for FrontalFactor {
             }
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
             // The next one would shrink as this one has.
-            if size * (size / last) <= SETTLED * norm(x) {
+            if size * (size / last) <= SETTLED * largest(x) {
                 break;
             }
             last = size;
@@ -321,9 +324,4 @@ impl Factor for FrontalFactor {
     fn placement(&self) -> &Placement {
         &Placement::Cpu
     }
-}
-
-/// Largest size of an entry; not a number if any entry is none.
-fn norm(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |norm, v| if v.abs() > norm || v.is_nan() { v.abs() } else { norm })
 }
