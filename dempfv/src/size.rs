@@ -13,7 +13,7 @@ pub fn largest(x: &[f64]) -> f64 {
             let size = x.abs();
             *most = if size > *most { size } else { *most };
             // Zero, or no number from here on.
-            *odd += x - x;
+            *odd += 0.0 * x;
         }
     };
     chunks.iter().for_each(|chunk| take(chunk));

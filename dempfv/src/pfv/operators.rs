@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::outlets::Outlets;
 use super::{Boundary, Derivatives, NONE, Network, PfvError, Tessellation};
-use crate::solver::SymmetricCsc;
 use crate::fetch::fetch;
+use crate::solver::SymmetricCsc;
 use crate::{Vec3, WallId};
 
 /// Below this many pores one thread is faster than handing work over.

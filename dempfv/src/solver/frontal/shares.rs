@@ -6,11 +6,11 @@
 //! below the triangle, L₂, says in which shares a column's flow goes on to later rows.
 //! Kept are the third roots of its entries, relative to that of the column's largest, as
 //! whole numbers of 16 bits: 15 digits, of base two, of the large shares, 5 of those that
-//! are 10⁻⁹ of them; and each column has a factor, in single precision, that makes
-//! its shares sum up to what they did before they were rounded. No fluid is lost and none
-//! added, only a little of it goes to the neighbour of where it should. Without those factors a correction leaves 10⁻³ of an
-//! error, with them 4·10⁻⁶, as single precision does. (Of numbers with an exponent, 12
-//! digits would be left for all shares alike, and corrections leave 3·10⁻⁵.)
+//! are 10⁻⁹ of them. Each column has a factor, in single precision, that makes its shares
+//! sum up to what they did before they were rounded: no fluid is lost and none added, only a
+//! little of it goes to the neighbour of where it should. Without those factors a correction
+//! leaves 10⁻³ of an error, with them 4·10⁻⁶, as single precision does. (Of numbers with an
+//! exponent, 12 digits would be left for all shares alike, and corrections leave 3·10⁻⁵.)
 //!
 //! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
 //! that are joined firmly the first gives to the second nearly all it has, and little to

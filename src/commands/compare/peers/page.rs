@@ -344,20 +344,21 @@ fn inside(results: &Results) -> String {
                     other, by turns, between remeshes; the first ten steps are not counted. A solve \
                     is all between the rates of volume and the pressures: right-hand side, \
                     prediction, refinement. Tolerance: what the scene says a solve may leave, of \
-                    fluid mass and of the estimated error. CHOLMOD's solve uses one thread of the BLAS \
-                    here.\n\n| spheres | unknowns | solver | tolerance | \
-                    ms a solve | residual | largest error of a pressure |\n\
-                    |--:|--:|:--|--:|--:|--:|--:|\n"
+                    fluid mass and of the estimated error (1e-11 by default). CHOLMOD's solve uses one \
+                    thread of the BLAS here.\n\n| spheres | unknowns | solver | tolerance | \
+                    ms a solve | mean | residual | largest error of a pressure |\n\
+                    |--:|--:|:--|--:|--:|--:|--:|--:|\n"
         .to_owned();
     for case in &results.inside {
         for side in &case.sides {
             text += &format!(
-                "| {} | {} | {} | {} | {} | {:.1e} | {:.1e} |\n",
+                "| {} | {} | {} | {} | {} | {} | {:.1e} | {:.1e} |\n",
                 count(case.spheres as u64),
                 count(side.unknowns as u64),
                 side.solver,
-                if side.rough { "1e-6" } else { "1e-11" },
+                if side.tolerance.is_empty() { "default" } else { &side.tolerance },
                 side.solve_s.show(1e-3),
+                three_digits(1e3 * side.solve_s.mean()),
                 side.residual,
                 side.pressure_error,
             );

@@ -363,7 +363,9 @@ fn inside(contest: &Contest, case: &coupled::Inside, results: &Results) -> Row {
                 let error = side.pressure_error;
                 format!("; with {} {time}, largest error seen {error:.0e}", TOLERANCE.trim())
             });
-            format!("{} against {} in our loop and {} plain{rough}", times[0], times[1], times[2])
+            let mean = milliseconds(ours.solve_s.mean());
+            let [ours, peer, plain] = times;
+            format!("{ours} (mean {mean}) against {peer} in our loop and {plain} plain{rough}")
         }),
         conditions: match both {
             Ok((peer, ours)) => vec![(

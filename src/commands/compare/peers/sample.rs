@@ -20,6 +20,11 @@ impl Sample {
         }
     }
 
+    /// The mean; NaN if there is none.
+    pub fn mean(&self) -> f64 {
+        self.0.iter().sum::<f64>() / self.0.len() as f64
+    }
+
     /// Smallest and largest.
     pub fn range(&self) -> [f64; 2] {
         let both = |[low, high]: [f64; 2], &v: &f64| [low.min(v), high.max(v)];
@@ -69,6 +74,8 @@ mod tests {
         assert_eq!(Sample(vec![3.0, 1.0, 2.0]).median(), 2.0);
         assert_eq!(Sample(vec![4.0, 1.0, 2.0, 3.0]).median(), 2.5);
         assert!(Sample::default().median().is_nan());
+        assert_eq!(Sample(vec![6.0, 1.0, 2.0]).mean(), 3.0);
+        assert!(Sample::default().mean().is_nan());
         assert_eq!(Sample(vec![3.0, 1.0]).range(), [1.0, 3.0]);
         assert_eq!(Sample(vec![0.003, 0.001, 0.002]).show(1e-3), "2 (1 to 3)");
     }
