@@ -16,13 +16,11 @@ const TRIED: usize = 20_000;
 const LARGE: usize = 100_000;
 /// What the scene of a coupled step says of accuracy: what the contest allows. It bounds an
 /// estimate that is on the safe side of the error; that is measured in each.
-pub const TOLERANCE: &str = "tolerance = 1e-6\n";
-/// What it says where a solve is to leave the residual that CHOLMOD leaves: ours then takes
-/// a third correction where two leave more than a few 1e-13 of it. The estimated error that
-/// this bounds is smaller than the residual, which the stiffest throats rule.
-const ALL_DIGITS: &str = "tolerance = 5e-14\n";
-/// What scenes say that say nothing.
-const DEFAULT: &str = "";
+pub const TOLERANCE: &str = "1e-6";
+/// What it says where a solve of ours is to leave the residual that CHOLMOD leaves: a third
+/// correction is then taken where two leave more than a few 1e-13 of it. The estimated error
+/// that this bounds is smaller than the residual, which the stiffest throats rule.
+const ALL_DIGITS: &str = "5e-14";
 /// Phases of our step, by their names in summaries.
 pub const PHASES: [&str; 5] = ["contacts", "integration", "volume_rates", "solve", "fluid_forces"];
 /// Phases of our remesh.
@@ -103,10 +101,8 @@ pub struct Inside {
 #[derive(Serialize, Deserialize)]
 pub struct InsideSide {
     pub solver: String,
-    /// Whether the scene says [`TOLERANCE`], as that of coupled steps does.
-    pub rough: bool,
-    /// What it says.
-    pub tolerance: String,
+    /// The tolerance that the scene asks for; none where it leaves the default.
+    pub tolerance: Option<String>,
     pub unknowns: f64,
     pub nnz_l: f64,
     /// Of each step but the first ten (s).
@@ -181,7 +177,7 @@ fn yade(
 fn ours(contest: &Contest, placed: &Placed, way: Way, run: usize) -> Result<Value, Error> {
     let intervals = if placed.spheres > LARGE { 2 } else { 3 };
     let steps = intervals * INTERVAL as u64;
-    let scene = scene(placed, steps, &(TOLERANCE.to_owned() + way.keys()), contest.ours);
+    let scene = scene(placed, steps, &(asks_for(TOLERANCE) + way.keys()), contest.ours);
     let name = format!("coupled-{}-{}-run{run}", placed.spheres, way.name());
     let bench = contest.bench;
     bench.remembered(&name, &(&scene, run), || {
@@ -193,7 +189,7 @@ fn ours(contest: &Contest, placed: &Placed, way: Way, run: usize) -> Result<Valu
 fn pressure(contest: &Contest, placed: &Placed) -> Result<Steps, Error> {
     // After a remesh that has a predecessor too, whose steps are few with many spheres.
     let steps = if placed.spheres > LARGE { 24 } else { 240 };
-    let scene = scene(placed, steps as u64, TOLERANCE, contest.ours);
+    let scene = scene(placed, steps as u64, &asks_for(TOLERANCE), contest.ours);
     let scene = match placed.spheres > LARGE {
         true => scene.replace("remesh_interval = 200", "remesh_interval = 12"),
         false => scene,
@@ -222,17 +218,17 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
         true => vec![steps],
         false => vec![steps / 2, steps * 5 / 6, steps],
     };
-    let mut solvers = vec![("cholmod", DEFAULT)];
+    let mut solvers = vec![("cholmod", None)];
     if contest.ours != "cholmod" {
-        let ours = contest.ours;
-        solvers.extend([(ours, ALL_DIGITS), ("cholmod", TOLERANCE), (ours, TOLERANCE)]);
+        let ours = [(contest.ours, Some(ALL_DIGITS)), (contest.ours, Some(TOLERANCE))];
+        solvers.extend([ours[0], ("cholmod", Some(TOLERANCE)), ours[1]]);
     }
     let mut sides: Vec<InsideSide> = vec![];
     for number in 0..runs {
-        for &(solver, keys) in &solvers {
-            let rough = keys == TOLERANCE;
-            let kind = if rough { "-rough" } else { "" };
-            let scene = scene(placed, steps as u64, keys, solver);
+        for &(solver, tolerance) in &solvers {
+            let kind = if tolerance == Some(TOLERANCE) { "-rough" } else { "" };
+            let keys = tolerance.map_or(String::new(), asks_for);
+            let scene = scene(placed, steps as u64, &keys, solver);
             let name = format!("inside-{}-{solver}{kind}-run{number}", placed.spheres);
             let job = Run { scene, steps, checks: checks.clone(), run: number };
             let done = run(contest, &name, job)?;
@@ -240,7 +236,8 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
             let error = worst(done.pressure_errors.iter().copied());
             // The first steps have nothing to start from.
             let solves = &done.solve_s[done.solve_s.len().min(10)..];
-            match sides.iter_mut().find(|s| s.solver == solver && s.rough == rough) {
+            let same = |s: &&mut InsideSide| s.solver == solver && s.tolerance() == tolerance;
+            match sides.iter_mut().find(same) {
                 Some(side) => {
                     side.solve_s.0.extend(solves);
                     side.residual = worst([side.residual, residual]);
@@ -248,8 +245,7 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
                 }
                 None => sides.push(InsideSide {
                     solver: solver.to_owned(),
-                    rough,
-                    tolerance: keys.trim().replace("tolerance = ", ""),
+                    tolerance: tolerance.map(str::to_owned),
                     unknowns: done.unknowns,
                     nnz_l: done.nnz_l,
                     solve_s: Sample(solves.to_vec()),
@@ -263,9 +259,18 @@ pub fn inside(contest: &Contest, placed: &Placed) -> Result<Inside, Error> {
 }
 
 impl Inside {
-    /// A solver's side, if it was measured.
+    /// A solver's side with the tolerance of coupled steps, or that with all digits, if it
+    /// was measured.
     pub fn side(&self, solver: &str, rough: bool) -> Option<&InsideSide> {
-        self.sides.iter().find(|side| side.solver == solver && side.rough == rough)
+        let is_rough = |side: &InsideSide| side.tolerance() == Some(TOLERANCE);
+        self.sides.iter().find(|side| side.solver == solver && is_rough(side) == rough)
+    }
+}
+
+impl InsideSide {
+    /// The tolerance that the scene asks for; none where it leaves the default.
+    pub fn tolerance(&self) -> Option<&str> {
+        self.tolerance.as_deref()
     }
 }
 
@@ -299,6 +304,11 @@ impl Side {
             contacts: number(&middle, "contacts"),
         }
     }
+}
+
+/// What a scene says for a tolerance.
+fn asks_for(tolerance: &str) -> String {
+    format!("tolerance = {tolerance}\n")
 }
 
 /// The paper's specimen, as YADE's script has it.

@@ -344,8 +344,11 @@ fn inside(results: &Results) -> String {
                     other, by turns, between remeshes; the first ten steps are not counted. A solve \
                     is all between the rates of volume and the pressures: right-hand side, \
                     prediction, refinement. Tolerance: what the scene says a solve may leave, of \
-                    fluid mass and of the estimated error (1e-11 by default). CHOLMOD's solve uses one \
-                    thread of the BLAS here.\n\n| spheres | unknowns | solver | tolerance | \
+                    fluid mass and of the estimated error. With all digits ours asks for less than the \
+                    default, so that the residual is what CHOLMOD leaves: a part of its solves then \
+                    takes three corrections in place of two, which the mean tells. CHOLMOD's solve \
+                    uses one thread of the BLAS here. A plain solve of CHOLMOD, which the contest \
+                    also counts if it is faster, has the residual “over b” of the tables above.\n\n| spheres | unknowns | solver | tolerance | \
                     ms a solve | mean | residual | largest error of a pressure |\n\
                     |--:|--:|:--|--:|--:|--:|--:|--:|\n"
         .to_owned();
@@ -356,7 +359,7 @@ fn inside(results: &Results) -> String {
                 count(case.spheres as u64),
                 count(side.unknowns as u64),
                 side.solver,
-                if side.tolerance.is_empty() { "default" } else { &side.tolerance },
+                side.tolerance().unwrap_or("1e-11, the default"),
                 side.solve_s.show(1e-3),
                 three_digits(1e3 * side.solve_s.mean()),
                 side.residual,
