@@ -14,7 +14,7 @@ pub(super) const SERIAL: usize = 16_384;
 /// Pores or spheres that one task takes.
 pub(super) const TASK: usize = 4_096;
 
-/// How many vectors of space ahead what a loop reads is asked for: 1.5 kB.
+/// How many vectors of space ahead what a loop reads is asked for, at most: 1.5 kB.
 const AHEAD: isize = 64;
 
 /// `G`, `E` and `F` for one network and its boundary conditions.

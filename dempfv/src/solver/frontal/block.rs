@@ -10,7 +10,7 @@ use crate::fetch::fetch;
 /// Lanes of the widest vectors.
 const WIDEST: usize = 16;
 
-/// How far ahead words and triangles are asked for, in either: some two kilobytes, which
+/// How far ahead words and triangles are asked for, in either: two to three kilobytes, which
 /// are what a thread reads while memory answers. Each step asks for as much as it reads, so
 /// that few lines are on their way at a time.
 pub const AHEAD: isize = 768;

@@ -448,7 +448,7 @@ mod tests {
 
     /// What a front gives to its edge and what its columns get, against double precision:
     /// nothing is negative, so that the errors of entries are the most. Half a unit of its
-    /// root is 1.1e-5 s^(2/3) of a share s; what is given comes from many. And what is given
+    /// root is 2.3e-5 s^(2/3) of a share s; what is given comes from many. And what is given
     /// in all is right to single precision, however it is shared out.
     #[test]
     fn shares_are_right_and_nothing_is_lost() {
