@@ -8,9 +8,9 @@
 //! whole numbers of 16 bits: 15 digits, of base two, of the large shares, 5 of those that
 //! are 10⁻⁹ of them. Each column has a factor, in single precision, that makes its shares
 //! sum up to what they did before they were rounded: no fluid is lost and none added, only a
-//! little of it goes to the neighbour of where it should. Without those factors a correction
-//! leaves 10⁻³ of an error, with them 4·10⁻⁶, as single precision does. (Of numbers with an
-//! exponent, 12 digits would be left for all shares alike, and corrections leave 3·10⁻⁵.)
+//! little of it goes to the neighbour of where it should. A correction then leaves 4·10⁻⁶ of
+//! an error. (Of numbers with an exponent, 12 digits would be left for all shares alike, and
+//! corrections leave 3·10⁻⁵; without those factors, up to 10⁻³. See docs/solver.md.)
 //!
 //! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
 //! that are joined firmly the first gives to the second nearly all it has, and little to
