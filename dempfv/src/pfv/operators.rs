@@ -11,8 +11,11 @@ use crate::{Vec3, WallId};
 
 /// Below this many pores one thread is faster than handing work over.
 pub(super) const SERIAL: usize = 16_384;
-/// Pores or spheres that one task takes.
+/// Pores that one task takes.
 pub(super) const TASK: usize = 4_096;
+/// The same for rows of forces: a sphere is a vertex of 24 pores or so.
+const FEW_SPHERES: usize = 2_048;
+const SPHERES: usize = 256;
 
 /// How many vectors of space ahead what a loop reads is asked for, at most: 1.5 kB.
 const AHEAD: isize = 64;
@@ -217,7 +220,8 @@ impl Operators {
     /// `f = F p`: the fluid's force on each sphere and each wall (N).
     pub fn forces(&self, pressure: &[f64], spheres: &mut [Vec3], walls: &mut [Vec3; 6]) {
         let n = spheres.len();
-        for_each(spheres, &|i, f| *f = self.forces.row(i, pressure));
+        let row = |i: usize, f: &mut Vec3| *f = self.forces.row(i, pressure);
+        in_tasks(spheres, FEW_SPHERES, SPHERES, &row);
         for (w, f) in walls.iter_mut().enumerate() {
             *f = self.forces.row(n + w, pressure);
         }
@@ -321,11 +325,22 @@ impl Forces {
 /// Calls a function for each entry of an array, on several threads if the
 /// array is long enough to pay for it.
 pub(super) fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
-    if out.len() < SERIAL {
+    in_tasks(out, SERIAL, TASK, set);
+}
+
+/// [`for_each`] in tasks of so many entries, on one thread if there are fewer than `serial`.
+fn in_tasks<T: Send>(
+    out: &mut [T],
+    serial: usize,
+    task: usize,
+    set: &(impl Fn(usize, &mut T) + Sync),
+) {
+    if out.len() < serial {
         out.iter_mut().enumerate().for_each(|(i, v)| set(i, v));
     } else {
-        out.par_chunks_mut(TASK).enumerate().for_each(|(task, chunk)| {
-            chunk.iter_mut().enumerate().for_each(|(k, v)| set(task * TASK + k, v));
+        out.par_chunks_mut(task).enumerate().for_each(|(k, chunk)| {
+            let first = k * task;
+            chunk.iter_mut().enumerate().for_each(|(k, v)| set(first + k, v));
         });
     }
 }

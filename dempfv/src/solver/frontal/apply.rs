@@ -21,11 +21,13 @@ pub struct Solve<'a> {
     pub plan: &'a Plan,
     pub places: &'a Places,
     pub entries: &'a Entries,
+    /// By the caller's numbers; times the factor it is near one.
+    pub right_hand_side: &'a [f64],
+    pub factor: f64,
 }
 
 impl Solve<'_> {
-    /// Solves for right-hand sides that lie in the tasks' vectors, the rest of
-    /// which is zero.
+    /// Leaves the solution for the right-hand side times the factor in the tasks' vectors.
     pub fn run(&self, vectors: &mut [f32]) {
         let both = |vectors: &mut [f32]| {
             self.forward(&self.plan.roots, vectors, 0);
@@ -85,6 +87,7 @@ impl Solve<'_> {
         let (below, own) = vectors.split_at_mut(task.vector.start - base);
         let own = &mut own[..task.vector.len()];
         self.forward(&task.children, below, base);
+        self.begin(task, own);
         if task.subtree {
             pulp::Arch::new().dispatch(Subtree::<true> { solve: self, task, own });
             return;
@@ -102,6 +105,18 @@ impl Solve<'_> {
         let (x, edge) = own.split_at_mut(shape.width);
         let edge = &mut edge[..shape.edge];
         sweep::forward(front, x, edge, shape.len() >= SHARED);
+    }
+
+    /// Puts the right-hand side into a task's vector, and zeros into the rest.
+    fn begin(&self, task: &Task, own: &mut [f32]) {
+        let Range { start, end } = task.own;
+        let first = &self.pattern.first;
+        let unknowns = &self.pattern.order[first[start] as usize..first[end] as usize];
+        let (x, rest) = own.split_at_mut(unknowns.len());
+        for (x, &unknown) in x.iter_mut().zip(unknowns) {
+            *x = (self.right_hand_side[unknown as usize] * self.factor) as f32;
+        }
+        rest.fill(0.0);
     }
 
     #[inline(always)]

@@ -42,7 +42,6 @@ use super::{
     ordering, require_size,
 };
 use crate::size::largest;
-use crate::solver::tree::NONE;
 use apply::Solve;
 use numeric::{Entries, Factorization, Stopped};
 use plan::Plan;
@@ -134,7 +133,7 @@ impl Symbolic for Analyzed {
             inverse: vec![0.0; n],
         };
         let mut factor = FrontalFactor {
-            vectors: vec![0.0; self.plan.unknown.len()],
+            vectors: vec![0.0; self.plan.vectors],
             residual: vec![0.0; n],
             correction: vec![0.0; n],
             system: System::default(),
@@ -202,21 +201,11 @@ impl FrontalFactor {
         }
         // Of the smallest sizes there is no inverse.
         let to_one = size.recip().min(f64::MAX);
-        let vectors = &mut self.vectors;
-        let part = |(out, unknowns): (&mut [f32], &[u32])| {
-            for (v, &unknown) in out.iter_mut().zip(unknowns) {
-                *v = if unknown == NONE { 0.0 } else { (b[unknown as usize] * to_one) as f32 };
-            }
-        };
-        if plan.is_shared {
-            let parts = vectors.par_chunks_mut(CHUNK).zip(plan.unknown.par_chunks(CHUNK));
-            parts.for_each(part);
-        } else {
-            part((vectors, &plan.unknown));
-        }
-        Solve { pattern, plan, places, entries: &self.entries }.run(vectors);
+        let entries = &self.entries;
+        let solve = Solve { pattern, plan, places, entries, right_hand_side: b, factor: to_one };
+        solve.run(&mut self.vectors);
         let scale = self.system.scale / to_one;
-        let vectors = &*vectors;
+        let vectors = &*self.vectors;
         let part = |(x, places): (&mut [f64], &[u32])| {
             for (x, &place) in x.iter_mut().zip(places) {
                 *x = f64::from(vectors[place as usize]) * scale;

@@ -43,8 +43,8 @@ pub struct Plan {
     pub local: Vec<u32>,
     /// Where each unknown lies among the vectors, by the caller's numbers.
     pub place: Vec<u32>,
-    /// The unknown that lies at each place; [`NONE`] for rows of edges and for room.
-    pub unknown: Vec<u32>,
+    /// Length of all vectors together.
+    pub vectors: usize,
     /// True where there is enough to do for several threads.
     pub is_shared: bool,
 }
@@ -107,11 +107,7 @@ impl Plan {
             }
         }
         let (local, place) = places(pattern, &tasks);
-        let mut unknown = vec![NONE; vectors];
-        for (u, &place) in place.iter().enumerate() {
-            unknown[place as usize] = u as u32;
-        }
-        Plan { tasks, roots, local, place, unknown, is_shared: false }
+        Plan { tasks, roots, local, place, vectors, is_shared: false }
     }
 
     /// Longest way from a root.
@@ -126,7 +122,7 @@ impl Plan {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        4 * (self.local.len() + self.place.len() + self.unknown.len())
+        4 * (self.local.len() + self.place.len())
             + self.tasks.len() * size_of::<Task>()
     }
 }
