@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::block::{Collected, Halves};
 use super::numeric::Entries;
 use super::plan::{Plan, Task};
-use super::shares::Places;
+use super::shares::{Places, is_narrow};
 use super::sweep::{self, Front};
 use super::symbolic::Pattern;
 
@@ -130,7 +130,7 @@ impl Solve<'_> {
             // The last one's edge is the task's.
             let last = s + 1 == task.own.end;
             let local = self.local_of(s);
-            match (sweep::is_narrow(shape), last) {
+            match (is_narrow(shape), last) {
                 (true, true) => {
                     sweep::forward_narrow(simd, front, x, |rows, v| v.add_to(&mut rest[rows]));
                 }
@@ -192,7 +192,7 @@ impl Solve<'_> {
             let (x, rest) = own[column..].split_at_mut(shape.width);
             let last = s + 1 == task.own.end;
             let local = self.local_of(s);
-            match (sweep::is_narrow(shape), last) {
+            match (is_narrow(shape), last) {
                 (true, true) => {
                     let take = |rows: Range<usize>| Halves::of(&rest[rows]);
                     sweep::backward_narrow(simd, front, &mut collected, x, take);

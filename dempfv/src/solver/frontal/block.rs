@@ -4,7 +4,7 @@
 use pulp::Simd;
 
 use super::pivot::STRIP;
-use super::shares::{BLOCK, OFFSET, ONES, SCALE, words as words_of};
+use super::shares::{BLOCK, OFFSET, ONES, QUARTER, SCALE, head, step_of, words as words_of};
 use crate::fetch::fetch;
 
 /// Lanes of the widest vectors.
@@ -25,7 +25,7 @@ pub struct Halves {
 
 impl Halves {
     #[inline(always)]
-    fn zeros() -> Halves {
+    pub fn zeros() -> Halves {
         Halves { low: [0.0; BLOCK / 2], high: [0.0; BLOCK / 2] }
     }
 
@@ -100,6 +100,15 @@ impl<S: Simd> Decoder<S> {
     #[inline(always)]
     fn high(self, simd: S, words: S::u32s) -> S::f32s {
         self.share(simd, simd.wrapping_dyn_shr_u32s(words, self.half))
+    }
+
+    /// The third power of a byte.
+    #[inline(always)]
+    fn byte(self, simd: S, words: S::u32s, byte: usize) -> S::f32s {
+        let words = simd.wrapping_dyn_shr_u32s(words, simd.splat_u32s(8 * byte as u32));
+        let bits = simd.or_u32s(simd.and_u32s(words, simd.splat_u32s(0xff)), self.ones);
+        let root = simd.sub_f32s(simd.transmute_f32s_u32s(bits), simd.splat_f32s(ONES));
+        simd.mul_f32s(simd.mul_f32s(root, root), root)
     }
 
     #[inline(always)]
@@ -180,6 +189,121 @@ fn step<S: Simd, const N: usize>(
     }
 }
 
+/// The columns of a full block with a head: which are long, which short, and the factors of
+/// the latter.
+struct Columns<'a> {
+    mask: u32,
+    long: u32,
+    steps: &'a [u32],
+    /// The long columns' words, then the short ones'.
+    words: &'a [u32],
+}
+
+impl<'a> Columns<'a> {
+    #[inline(always)]
+    fn of(words: &'a [u32], width: usize) -> Columns<'a> {
+        let mask = words[0];
+        let (head, words) = words.split_at(head(mask));
+        let all = u32::MAX >> (STRIP - width);
+        Columns { mask, long: all & !mask, steps: &head[1..], words }
+    }
+
+    /// The long columns, each with where its words start.
+    #[inline(always)]
+    fn long(&self) -> impl Iterator<Item = (usize, usize)> {
+        Bits(self.long).zip((0..).step_by(BLOCK / 2))
+    }
+
+    /// The short columns, each with where its words start and its factor.
+    #[inline(always)]
+    fn short(&self) -> impl Iterator<Item = (usize, usize, f32)> {
+        let start = self.long.count_ones() as usize * BLOCK / 2;
+        Bits(self.mask).enumerate().map(move |(n, k)| {
+            let step = step_of(self.steps[n / 4] >> (8 * (n % 4)) & 0xff);
+            (k, start + n * QUARTER, step * step * step)
+        })
+    }
+
+    /// Number of words, the head's among them.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        let short = self.mask.count_ones() as usize;
+        1 + self.steps.len() + self.long.count_ones() as usize * BLOCK / 2 + short * QUARTER
+    }
+}
+
+/// The places of ones.
+struct Bits(u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let k = self.0.trailing_zeros() as usize;
+        self.0 &= self.0.wrapping_sub(1);
+        (k < STRIP).then_some(k)
+    }
+}
+
+/// [`spread`] for a full block with a head; returns how many words that took.
+#[inline(always)]
+pub fn spread_packed<S: Simd>(
+    simd: S,
+    words: &[u32],
+    x: &[f32; STRIP],
+    width: usize,
+    out: &mut Halves,
+) -> usize {
+    let columns = Columns::of(words, width);
+    for from in (0..BLOCK / 2).step_by(2 * S::F32_LANES) {
+        spread_columns::<S, 2>(simd, from, &columns, x, out);
+    }
+    columns.len()
+}
+
+#[inline(always)]
+fn spread_columns<S: Simd, const N: usize>(
+    simd: S,
+    from: usize,
+    columns: &Columns<'_>,
+    x: &[f32; STRIP],
+    out: &mut Halves,
+) {
+    let decoder = Decoder::new(simd);
+    let lanes = N * S::F32_LANES;
+    let zero = simd.splat_f32s(0.0);
+    let mut sums = ([zero; N], [zero; N]);
+    for (k, at) in columns.long() {
+        step(simd, decoder, &columns.words[at + from..][..lanes], x[k], &mut sums);
+    }
+    let (low, high) = &mut sums;
+    for (k, at, factor) in columns.short() {
+        let words = &columns.words[at..at + QUARTER];
+        if from == 0 {
+            fetch(words, AHEAD);
+        }
+        let x = simd.splat_f32s(factor * x[k]);
+        for k in 0..N {
+            let (words, quarter) = quarter::<S>(words, from + k * S::F32_LANES);
+            low[k] = simd.mul_add_e_f32s(decoder.byte(simd, words, quarter), x, low[k]);
+            high[k] = simd.mul_add_e_f32s(decoder.byte(simd, words, 2 + quarter), x, high[k]);
+        }
+    }
+    for (out, sums) in [(&mut out.low, sums.0), (&mut out.high, sums.1)] {
+        let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
+        out.copy_from_slice(&sums);
+    }
+}
+
+/// The words of a short column that have a row of the lower half and those after it, and
+/// which of their bytes; two more are those of the upper half.
+#[inline(always)]
+fn quarter<S: Simd>(words: &[u32], row: usize) -> (S::u32s, usize) {
+    let from = row % QUARTER;
+    (S::as_simd_u32s(&words[from..from + S::F32_LANES]).0[0], row / QUARTER)
+}
+
 /// Sums of a strip's columns while its blocks are gone through, lane by lane.
 pub struct Collected {
     lanes: [f32; STRIP * WIDEST],
@@ -256,6 +380,65 @@ impl Collected {
             }
             *sum = simd.add_f32s(*sum, other);
             at += half;
+        }
+    }
+
+    /// [`Collected::add`] for a full block with a head; returns how many words that took.
+    #[inline(always)]
+    pub fn add_packed<S: Simd>(
+        &mut self,
+        simd: S,
+        width: usize,
+        words: &[u32],
+        y: &Halves,
+    ) -> usize {
+        let columns = Columns::of(words, width);
+        for from in (0..BLOCK / 2).step_by(2 * S::F32_LANES) {
+            self.add_columns::<S, 2>(simd, from, &columns, y);
+        }
+        columns.len()
+    }
+
+    #[inline(always)]
+    fn add_columns<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        from: usize,
+        columns: &Columns<'_>,
+        y: &Halves,
+    ) {
+        let decoder = Decoder::new(simd);
+        let lanes = N * S::F32_LANES;
+        let zero = simd.splat_f32s(0.0);
+        let (mut low, mut high) = ([zero; N], [zero; N]);
+        low.copy_from_slice(S::as_simd_f32s(&y.low[from..from + lanes]).0);
+        high.copy_from_slice(S::as_simd_f32s(&y.high[from..from + lanes]).0);
+        let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..STRIP * S::F32_LANES]);
+        for (column, at) in columns.long() {
+            let words = &columns.words[at + from..][..lanes];
+            fetch(words, AHEAD);
+            let (words, _) = S::as_simd_u32s(words);
+            let mut other = zero;
+            let sum = &mut sums[column];
+            for k in 0..N {
+                *sum = simd.mul_add_e_f32s(decoder.low(simd, words[k]), low[k], *sum);
+                other = simd.mul_add_e_f32s(decoder.high(simd, words[k]), high[k], other);
+            }
+            *sum = simd.add_f32s(*sum, other);
+        }
+        for (column, at, factor) in columns.short() {
+            let words = &columns.words[at..at + QUARTER];
+            if from == 0 {
+                fetch(words, AHEAD);
+            }
+            let (mut one, mut other) = (zero, zero);
+            for k in 0..N {
+                let (words, quarter) = quarter::<S>(words, from + k * S::F32_LANES);
+                one = simd.mul_add_e_f32s(decoder.byte(simd, words, quarter), low[k], one);
+                other = simd.mul_add_e_f32s(decoder.byte(simd, words, 2 + quarter), high[k], other);
+            }
+            let sum = &mut sums[column];
+            *sum = simd.mul_add_e_f32s(simd.add_f32s(one, other), simd.splat_f32s(factor), *sum);
         }
     }
 

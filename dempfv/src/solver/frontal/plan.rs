@@ -122,8 +122,7 @@ impl Plan {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        4 * (self.local.len() + self.place.len())
-            + self.tasks.len() * size_of::<Task>()
+        4 * (self.local.len() + self.place.len()) + self.tasks.len() * size_of::<Task>()
     }
 }
 

@@ -1,4 +1,4 @@
-//! The factor as solves read it: in 16 bits an entry.
+//! The factor as solves read it: in 16 bits an entry, or 8.
 //!
 //! Columns are solved for in strips, by the inverse T of the strip's triangle on the
 //! diagonal: `x = T x` on the way forward, `x = Tᵀ x` on the way back. T stays in single
@@ -11,6 +11,11 @@
 //! little of it goes to the neighbour of where it should. A correction then leaves 4·10⁻⁶ of
 //! an error. (Of numbers with an exponent, 12 digits would be left for all shares alike, and
 //! corrections leave 3·10⁻⁵; without those factors, up to 10⁻³. See docs/solver.md.)
+//!
+//! In fronts wide enough most shares are far smaller than their column's largest, and it is
+//! enough to know these to 8 bits. There each full block of 64 rows says which of a strip's
+//! columns are short in it; such a column has a step of its own for the roots of the block,
+//! of which they are up to 255.
 //!
 //! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
 //! that are joined firmly the first gives to the second nearly all it has, and little to
@@ -50,6 +55,30 @@ pub const ONES: f32 = 8_388_608.0;
 pub const SCALE: f32 = 1.0 / ROOTS;
 pub const OFFSET: f32 = -ONES * SCALE;
 
+/// Blocks of a column whose shares are no larger have 8 bits an entry, see [`step_of`]. Twice
+/// that: a few per cent faster with 817,690 unknowns, but third corrections become more
+/// frequent.
+const SHORT: f32 = 5e-4;
+
+/// Words of such a block: each has rows k and k + 16, and the same of the upper half.
+pub const QUARTER: usize = BLOCK / 4;
+
+/// Steps of the roots of short blocks, from 2⁻¹⁰ down in steps of their own: single
+/// precision with three binary digits, of which this is the first.
+const STEPS: u32 = (127 - 10) << 3;
+
+/// The step of a short block by its byte; roots are up to 255 of them.
+#[inline(always)]
+pub fn step_of(byte: u32) -> f32 {
+    f32::from_bits((STEPS - byte) << 20)
+}
+
+/// The byte of the smallest step that is enough for shares up to this one.
+fn step_for(largest: f32) -> u32 {
+    let least = (largest.cbrt() / 255.0).to_bits();
+    STEPS.saturating_sub(least.div_ceil(1 << 20)).min(255)
+}
+
 /// The root of a share to the nearest whole number.
 #[inline(always)]
 fn code(share: f32) -> u32 {
@@ -88,6 +117,9 @@ pub struct Panel {
     pub later: usize,
     /// Rows of the edge.
     pub edge: usize,
+    /// True if full blocks below tell which of their columns are short: in fronts of more
+    /// than one strip.
+    pub packed: bool,
 }
 
 /// Columns of a panel that are eliminated together.
@@ -109,7 +141,13 @@ impl Strip {
 impl Panel {
     pub fn new(shape: Shape, panel: usize) -> Panel {
         let (first, width) = (panel * TILE, shape.panel_width(panel));
-        Panel { first, width, later: shape.width - first - width, edge: shape.edge }
+        Panel {
+            first,
+            width,
+            later: shape.width - first - width,
+            edge: shape.edge,
+            packed: !is_narrow(shape),
+        }
     }
 
     /// The strips, by columns of the panel.
@@ -137,7 +175,19 @@ impl Panel {
         self.later.div_ceil(CHUNK) + self.edge.div_ceil(CHUNK)
     }
 
-    /// A chunk's rows, as rows below the panel, and where its words start.
+    /// Words that so many rows below may take, all strips together.
+    fn room(self, rows: usize) -> usize {
+        self.strips().map(|strip| self.room_of(strip, rows)).sum()
+    }
+
+    /// Words that so many rows below may take in one strip.
+    fn room_of(self, strip: Strip, rows: usize) -> usize {
+        let heads = if self.packed { rows / BLOCK } else { 0 };
+        strip.width * words(rows) + heads
+    }
+
+    /// A chunk's rows, as rows below the panel, and where its words start. It has room for
+    /// long blocks only, and ends early if some are short.
     pub fn chunk(self, chunk: usize) -> (std::ops::Range<usize>, usize) {
         let own = self.later.div_ceil(CHUNK);
         let (from, len, before) = if chunk < own {
@@ -146,11 +196,11 @@ impl Panel {
             ((chunk - own) * CHUNK, self.edge, self.later)
         };
         let rows = before + from..before + len.min(from + CHUNK);
-        (rows, self.all_inside() + self.width * (words(before) + words(from)))
+        (rows, self.all_inside() + self.room(before) + self.room(from))
     }
 
     pub fn words(self) -> usize {
-        self.all_inside() + self.width * (words(self.later) + words(self.edge))
+        self.all_inside() + self.room(self.later) + self.room(self.edge)
     }
 
     /// Entries of the strips' triangles, see [`Strip::triangle`].
@@ -214,6 +264,11 @@ impl Places {
     }
 }
 
+/// True for fronts of one strip.
+pub fn is_narrow(shape: Shape) -> bool {
+    shape.width <= STRIP
+}
+
 pub fn panels(shape: Shape) -> impl DoubleEndedIterator<Item = Panel> {
     (0..shape.panels()).map(move |panel| Panel::new(shape, panel))
 }
@@ -269,6 +324,8 @@ fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], part: Part<'_>) {
     let diagonal = &l[start..start + w * w];
     let Part { words, triangles, factors, .. } = part;
     let (mut inside, mut triangle) = (0, 0);
+    // Where the next strip of each chunk goes.
+    let mut next: Vec<usize> = (0..panel.chunks()).map(|k| panel.chunk(k).1).collect();
     for strip in panel.strips() {
         let (from, size) = (strip.first, strip.width);
         let end = from + size;
@@ -294,21 +351,19 @@ fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], part: Part<'_>) {
         }
         let scales = sums.scales();
         let mut kept = [0.0; STRIP];
-        let mut put = |block: Block<'_>, words: &mut [u32]| {
+        let mut put = |block: Block<'_>, packed: bool, words: &mut [u32]| {
             let scales = &scales[..size];
-            pulp::Arch::new().dispatch(Put { block, scales, words, kept: &mut kept });
+            pulp::Arch::new().dispatch(Put { block, scales, packed, words, kept: &mut kept })
         };
         let here = panel.inside(strip);
-        put(below, &mut words[inside..inside + here]);
+        put(below, false, &mut words[inside..inside + here]);
         inside += here;
         let mut tiles = shape.below(k);
-        for chunk in 0..panel.chunks() {
-            let (rows, start) = panel.chunk(chunk);
-            let mut at = start + from * self::words(rows.len());
+        for (chunk, next) in next.iter_mut().enumerate() {
+            let (rows, _) = panel.chunk(chunk);
             for rows in tiles.by_ref().take(rows.len().div_ceil(TILE)) {
-                let len = size * self::words(rows.len);
-                put(tile(rows), &mut words[at..at + len]);
-                at += len;
+                let room = panel.room_of(strip, rows.len);
+                *next += put(tile(rows), panel.packed, &mut words[*next..*next + room]);
             }
         }
         let factors = factors[from..end].iter_mut();
@@ -375,43 +430,116 @@ impl pulp::NullaryFnOnce for Sum<'_> {
 struct Put<'a> {
     block: Block<'a>,
     scales: &'a [f32],
+    packed: bool,
     words: &'a mut [u32],
     kept: &'a mut [f64; STRIP],
 }
 
 impl pulp::NullaryFnOnce for Put<'_> {
-    type Output = ();
+    /// How many words that took.
+    type Output = usize;
 
     #[inline(always)]
-    fn call(self) {
-        let Put { block, scales, words, kept } = self;
-        let mut out = words;
+    fn call(self) -> usize {
+        let Put { block, scales, packed, words, kept } = self;
+        let mut at = 0;
         for from in (0..block.rows).step_by(BLOCK) {
             let len = BLOCK.min(block.rows - from);
+            let column = |k: usize| &block.data[k * block.stride + from..][..len];
+            let short = match packed && len == BLOCK {
+                true => {
+                    let short = Shorts::of(scales.iter().enumerate().map(|(k, &scale)| {
+                        column(k).iter().fold(0.0f32, |m, &v| m.max(-v)) * scale
+                    }));
+                    at += short.write(&mut words[at..]);
+                    short
+                }
+                false => Shorts::default(),
+            };
             let half = self::words(len);
-            let (these, after) = std::mem::take(&mut out).split_at_mut(half * scales.len());
-            out = after;
-            let columns = scales.iter().zip(kept.iter_mut()).enumerate();
-            for (words, (k, (&scale, kept))) in these.chunks_exact_mut(half).zip(columns) {
-                let column = &block.data[k * block.stride + from..][..len];
-                let mut codes = [0u32; BLOCK];
-                for (code, &v) in codes.iter_mut().zip(column) {
-                    *code = self::code(-v * scale);
-                }
-                let mut sums = [0.0f32; 16];
-                for codes in codes.chunks_exact(16) {
-                    for (sum, &code) in sums.iter_mut().zip(codes) {
-                        *sum += decoded(code);
-                    }
-                }
-                *kept += sums.iter().map(|&v| f64::from(v)).sum::<f64>();
+            let is_short = |k: usize| short.mask >> k & 1 == 1;
+            for k in (0..scales.len()).filter(|&k| !is_short(k)) {
+                let (codes, sum) = coded(column(k), scales[k]);
+                kept[k] += sum;
                 let (low, high) = codes.split_at(half);
-                for ((word, &low), &high) in words.iter_mut().zip(low).zip(high) {
+                for ((word, &low), &high) in words[at..at + half].iter_mut().zip(low).zip(high) {
                     *word = low | high << 16;
                 }
+                at += half;
+            }
+            for (k, &byte) in (0..scales.len()).filter(|&k| is_short(k)).zip(&short.steps) {
+                let step = step_of(byte.into());
+                // Of a third root in units of the step.
+                let to_unit = 1.0 / (ROOTS * step);
+                let factor = to_unit * to_unit * to_unit;
+                let (codes, sum) = coded(column(k), scales[k] * factor);
+                kept[k] += sum / f64::from(factor);
+                for (i, word) in words[at..at + QUARTER].iter_mut().enumerate() {
+                    let byte = |quarter: usize| codes[i + quarter * QUARTER] << (8 * quarter);
+                    *word = byte(0) | byte(1) | byte(2) | byte(3);
+                }
+                at += QUARTER;
             }
         }
+        at
     }
+}
+
+/// Roots of a column's entries in a block, and the sum of the shares that they stand for.
+#[inline(always)]
+fn coded(column: &[f32], scale: f32) -> ([u32; BLOCK], f64) {
+    let mut codes = [0u32; BLOCK];
+    for (code, &v) in codes.iter_mut().zip(column) {
+        *code = self::code(-v * scale);
+    }
+    let mut sums = [0.0f32; 16];
+    for codes in codes.chunks_exact(16) {
+        for (sum, &code) in sums.iter_mut().zip(codes) {
+            *sum += decoded(code);
+        }
+    }
+    (codes, sums.iter().map(|&v| f64::from(v)).sum())
+}
+
+/// Which columns of a block are short, and the bytes of their steps, one after the other.
+#[derive(Default)]
+struct Shorts {
+    mask: u32,
+    steps: [u8; STRIP],
+}
+
+impl Shorts {
+    /// By the largest share of each column.
+    #[inline(always)]
+    fn of(largest: impl Iterator<Item = f32>) -> Shorts {
+        let mut shorts = Shorts::default();
+        let mut count = 0;
+        for (k, largest) in largest.enumerate() {
+            if largest <= SHORT {
+                shorts.mask |= 1 << k;
+                shorts.steps[count] = step_for(largest) as u8;
+                count += 1;
+            }
+        }
+        shorts
+    }
+
+    /// Puts the block's head where its words start; returns its length.
+    fn write(&self, words: &mut [u32]) -> usize {
+        let len = head(self.mask);
+        words[0] = self.mask;
+        for (word, bytes) in words[1..len].iter_mut().zip(self.steps.as_chunks().0) {
+            *word = u32::from_le_bytes(*bytes);
+        }
+        len
+    }
+}
+
+/// Words of the head of a block with these short columns: the columns, and the bytes of
+/// their steps. After it come its long columns, then its short ones.
+#[inline(always)]
+pub fn head(mask: u32) -> usize {
+    1 + (mask.count_ones() as usize).div_ceil(4)
 }
 
 #[cfg(test)]
@@ -432,5 +560,18 @@ mod tests {
         }
         assert_eq!(code(LARGEST), ROOTS as u32 - 1);
         assert_eq!(code(0.0), 0);
+    }
+
+    /// The step of a short block is large enough for its largest share, and not twice as
+    /// large as that needs.
+    #[test]
+    fn steps_fit() {
+        for k in 0..200 {
+            let largest = SHORT * 0.8f32.powi(k);
+            let (step, root) = (step_of(step_for(largest)), largest.cbrt());
+            assert!(root <= 255.4 * step, "{largest}");
+            assert!(root >= 226.0 * step, "{largest}");
+        }
+        assert_eq!(step_for(0.0), 255);
     }
 }
