@@ -11,7 +11,7 @@
 //! many decades the conductances span, where plain Cholesky factorization in
 //! single precision loses one digit for each decade of the condition number.
 //!
-//! What solves read of it is rounded to 16 bits an entry so that no fluid is lost (see
+//! What solves read of it is rounded to 16 bits an entry, or 8, so that no fluid is lost (see
 //! [`shares`]). A solve with this factor is a correction that gains five digits
 //! where the pressures are smooth. The residual is evaluated in double precision from
 //! differences of pressures, and corrections are repeated until they no longer help.
