@@ -459,7 +459,7 @@ impl pulp::NullaryFnOnce for Put<'_> {
             let half = self::words(len);
             let is_short = |k: usize| short.mask >> k & 1 == 1;
             for k in (0..scales.len()).filter(|&k| !is_short(k)) {
-                let (codes, sum) = coded(column(k), scales[k]);
+                let (codes, sum) = coded(column(k), scales[k], 1.0);
                 kept[k] += sum;
                 let (low, high) = codes.split_at(half);
                 for ((word, &low), &high) in words[at..at + half].iter_mut().zip(low).zip(high) {
@@ -472,7 +472,7 @@ impl pulp::NullaryFnOnce for Put<'_> {
                 // Of a third root in units of the step.
                 let to_unit = 1.0 / (ROOTS * step);
                 let factor = to_unit * to_unit * to_unit;
-                let (codes, sum) = coded(column(k), scales[k] * factor);
+                let (codes, sum) = coded(column(k), scales[k], factor);
                 kept[k] += sum / f64::from(factor);
                 for (i, word) in words[at..at + QUARTER].iter_mut().enumerate() {
                     let byte = |quarter: usize| codes[i + quarter * QUARTER] << (8 * quarter);
@@ -485,12 +485,14 @@ impl pulp::NullaryFnOnce for Put<'_> {
     }
 }
 
-/// Roots of a column's entries in a block, and the sum of the shares that they stand for.
+/// Roots of a column's entries in a block, and the sum of the shares that they stand for. The
+/// scale makes shares of entries; the factor fits those to the step, and both together may
+/// be more than a number can hold.
 #[inline(always)]
-fn coded(column: &[f32], scale: f32) -> ([u32; BLOCK], f64) {
+fn coded(column: &[f32], scale: f32, factor: f32) -> ([u32; BLOCK], f64) {
     let mut codes = [0u32; BLOCK];
     for (code, &v) in codes.iter_mut().zip(column) {
-        *code = self::code(-v * scale);
+        *code = self::code(-v * scale * factor);
     }
     let mut sums = [0.0f32; 16];
     for codes in codes.chunks_exact(16) {
