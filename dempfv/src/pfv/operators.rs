@@ -528,6 +528,17 @@ impl Column {
 mod tests {
     use super::*;
 
+    /// Each entry is set once and by its own number, on one thread or in tasks, the last of
+    /// which may be short.
+    #[test]
+    fn tasks_know_their_entries() {
+        for n in [0, 1, 99, 100, 128, 1000] {
+            let mut out = vec![0; n];
+            in_tasks(&mut out, 100, 64, &|i, v| *v += 1 + i);
+            assert!(out.iter().enumerate().all(|(i, &v)| v == 1 + i), "{n}");
+        }
+    }
+
     /// Every number counts once, few or many: 0 + 1 + … + (n − 1) = n (n − 1) / 2, exactly.
     #[test]
     fn parts_are_the_whole() {

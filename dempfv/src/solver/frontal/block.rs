@@ -10,6 +10,9 @@ use crate::fetch::fetch;
 /// Lanes of the widest vectors.
 const WIDEST: usize = 16;
 
+/// Vectors of a half that are worked at together, where there are enough rows.
+const PAIR: usize = 2;
+
 /// How far ahead words and triangles are asked for, in either: two to three kilobytes, which
 /// are what a thread reads while memory answers. Each step asks for as much as it reads, so
 /// that few lines are on their way at a time.
@@ -25,7 +28,7 @@ pub struct Halves {
 
 impl Halves {
     #[inline(always)]
-    pub fn zeros() -> Halves {
+    fn zeros() -> Halves {
         Halves { low: [0.0; BLOCK / 2], high: [0.0; BLOCK / 2] }
     }
 
@@ -50,6 +53,17 @@ impl Halves {
             }
         }
         halves
+    }
+
+    /// Values of both halves from one on.
+    #[inline(always)]
+    fn some<S: Simd, const N: usize>(&self, simd: S, from: usize) -> ([S::f32s; N], [S::f32s; N]) {
+        let mut both = ([simd.splat_f32s(0.0); N], [simd.splat_f32s(0.0); N]);
+        for (out, half) in [(&mut both.0, &self.low), (&mut both.1, &self.high)] {
+            let (values, _) = S::as_simd_f32s(&half[from..from + N * S::F32_LANES]);
+            out.copy_from_slice(values);
+        }
+        both
     }
 
     #[inline(always)]
@@ -126,8 +140,8 @@ pub fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32]) -> Halves
     let mut out = Halves::zeros();
     let mut from = 0;
     while half - from > S::F32_LANES {
-        spread_some::<S, 2>(simd, (half, from), words, x, &mut out);
-        from += 2 * S::F32_LANES;
+        spread_some::<S, PAIR>(simd, (half, from), words, x, &mut out);
+        from += PAIR * S::F32_LANES;
         if from >= half {
             return out;
         }
@@ -189,11 +203,12 @@ fn step<S: Simd, const N: usize>(
     }
 }
 
-/// The columns of a full block with a head: which are long, which short, and the factors of
-/// the latter.
-struct Columns<'a> {
-    mask: u32,
+/// The columns of a full block with a head, see [`head`].
+pub struct Columns<'a> {
+    /// Which are short, and which are long.
+    pub short: u32,
     long: u32,
+    /// Bytes of the short ones' steps.
     steps: &'a [u32],
     /// The long columns' words, then the short ones'.
     words: &'a [u32],
@@ -201,11 +216,11 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     #[inline(always)]
-    fn of(words: &'a [u32], width: usize) -> Columns<'a> {
-        let mask = words[0];
-        let (head, words) = words.split_at(head(mask));
+    pub fn of(words: &'a [u32], width: usize) -> Columns<'a> {
+        let short = words[0];
+        let (head, words) = words.split_at(head(short));
         let all = u32::MAX >> (STRIP - width);
-        Columns { mask, long: all & !mask, steps: &head[1..], words }
+        Columns { short, long: all & !short, steps: &head[1..], words }
     }
 
     /// The long columns, each with where its words start.
@@ -217,8 +232,8 @@ impl<'a> Columns<'a> {
     /// The short columns, each with where its words start and its factor.
     #[inline(always)]
     fn short(&self) -> impl Iterator<Item = (usize, usize, f32)> {
-        let start = self.long.count_ones() as usize * BLOCK / 2;
-        Bits(self.mask).enumerate().map(move |(n, k)| {
+        let start = self.long.count_ones() as usize * (BLOCK / 2);
+        Bits(self.short).enumerate().map(move |(n, k)| {
             let step = step_of(self.steps[n / 4] >> (8 * (n % 4)) & 0xff);
             (k, start + n * QUARTER, step * step * step)
         })
@@ -226,9 +241,9 @@ impl<'a> Columns<'a> {
 
     /// Number of words, the head's among them.
     #[inline(always)]
-    fn len(&self) -> usize {
-        let short = self.mask.count_ones() as usize;
-        1 + self.steps.len() + self.long.count_ones() as usize * BLOCK / 2 + short * QUARTER
+    pub fn len(&self) -> usize {
+        let (long, short) = (self.long.count_ones() as usize, self.short.count_ones() as usize);
+        head(self.short) + long * (BLOCK / 2) + short * QUARTER
     }
 }
 
@@ -246,62 +261,83 @@ impl Iterator for Bits {
     }
 }
 
-/// [`spread`] for a full block with a head; returns how many words that took.
+/// [`spread`] for a full block with a head, and how many words that took.
 #[inline(always)]
 pub fn spread_packed<S: Simd>(
     simd: S,
     words: &[u32],
     x: &[f32; STRIP],
     width: usize,
-    out: &mut Halves,
-) -> usize {
+) -> (Halves, usize) {
     let columns = Columns::of(words, width);
-    for from in (0..BLOCK / 2).step_by(2 * S::F32_LANES) {
-        spread_columns::<S, 2>(simd, from, &columns, x, out);
+    let decoder = Decoder::new(simd);
+    let lanes = PAIR * S::F32_LANES;
+    let mut given = Halves::zeros();
+    for from in (0..BLOCK / 2).step_by(lanes) {
+        let mut sums = ([simd.splat_f32s(0.0); PAIR], [simd.splat_f32s(0.0); PAIR]);
+        for (column, at) in columns.long() {
+            let words = &columns.words[at + from..][..lanes];
+            step(simd, decoder, words, x[column], &mut sums);
+        }
+        let (low, high) = &mut sums;
+        for (column, at, factor) in columns.short() {
+            let x = simd.splat_f32s(factor * x[column]);
+            let quarters = Quarters::of(&columns.words[at..at + QUARTER], from);
+            for k in 0..PAIR {
+                let (lower, upper) = quarters.shares(simd, decoder, from + k * S::F32_LANES);
+                low[k] = simd.mul_add_e_f32s(lower, x, low[k]);
+                high[k] = simd.mul_add_e_f32s(upper, x, high[k]);
+            }
+        }
+        for (out, sums) in [(&mut given.low, sums.0), (&mut given.high, sums.1)] {
+            S::as_mut_simd_f32s(&mut out[from..from + lanes]).0.copy_from_slice(&sums);
+        }
     }
-    columns.len()
+    (given, columns.len())
 }
 
-#[inline(always)]
-fn spread_columns<S: Simd, const N: usize>(
-    simd: S,
-    from: usize,
-    columns: &Columns<'_>,
-    x: &[f32; STRIP],
-    out: &mut Halves,
-) {
-    let decoder = Decoder::new(simd);
-    let lanes = N * S::F32_LANES;
-    let zero = simd.splat_f32s(0.0);
-    let mut sums = ([zero; N], [zero; N]);
-    for (k, at) in columns.long() {
-        step(simd, decoder, &columns.words[at + from..][..lanes], x[k], &mut sums);
-    }
-    let (low, high) = &mut sums;
-    for (k, at, factor) in columns.short() {
-        let words = &columns.words[at..at + QUARTER];
+/// The words of a short column.
+#[derive(Clone, Copy)]
+struct Quarters<'a>(&'a [u32]);
+
+impl<'a> Quarters<'a> {
+    /// Asks ahead in the first of several rounds: each has other bytes of the same words.
+    #[inline(always)]
+    fn of(words: &'a [u32], from: usize) -> Quarters<'a> {
         if from == 0 {
             fetch(words, AHEAD);
         }
-        let x = simd.splat_f32s(factor * x[k]);
-        for k in 0..N {
-            let (words, quarter) = quarter::<S>(words, from + k * S::F32_LANES);
-            low[k] = simd.mul_add_e_f32s(decoder.byte(simd, words, quarter), x, low[k]);
-            high[k] = simd.mul_add_e_f32s(decoder.byte(simd, words, 2 + quarter), x, high[k]);
-        }
+        Quarters(words)
     }
-    for (out, sums) in [(&mut out.low, sums.0), (&mut out.high, sums.1)] {
-        let (out, _) = S::as_mut_simd_f32s(&mut out[from..from + lanes]);
-        out.copy_from_slice(&sums);
+
+    /// Shares, in units of the column's factor, of a row of the lower half and those after
+    /// it, and of the same of the upper half.
+    #[inline(always)]
+    fn shares<S: Simd>(self, simd: S, decoder: Decoder<S>, row: usize) -> (S::f32s, S::f32s) {
+        let (first, quarter) = (row % QUARTER, row / QUARTER);
+        let words = S::as_simd_u32s(&self.0[first..first + S::F32_LANES]).0[0];
+        (decoder.byte(simd, words, quarter), decoder.byte(simd, words, 2 + quarter))
     }
 }
 
-/// The words of a short column that have a row of the lower half and those after it, and
-/// which of their bytes; two more are those of the upper half.
+/// Adds one column's shares times the rows' values.
 #[inline(always)]
-fn quarter<S: Simd>(words: &[u32], row: usize) -> (S::u32s, usize) {
-    let from = row % QUARTER;
-    (S::as_simd_u32s(&words[from..from + S::F32_LANES]).0[0], row / QUARTER)
+fn collect<S: Simd, const N: usize>(
+    simd: S,
+    decoder: Decoder<S>,
+    words: &[u32],
+    ahead: isize,
+    (low, high): &([S::f32s; N], [S::f32s; N]),
+    sum: &mut S::f32s,
+) {
+    fetch(words, ahead);
+    let (words, _) = S::as_simd_u32s(words);
+    let mut other = simd.splat_f32s(0.0);
+    for k in 0..N {
+        *sum = simd.mul_add_e_f32s(decoder.low(simd, words[k]), low[k], *sum);
+        other = simd.mul_add_e_f32s(decoder.high(simd, words[k]), high[k], other);
+    }
+    *sum = simd.add_f32s(*sum, other);
 }
 
 /// Sums of a strip's columns while its blocks are gone through, lane by lane.
@@ -335,8 +371,8 @@ impl Collected {
         let half = words_of(rows);
         let mut from = 0;
         while half - from > S::F32_LANES {
-            self.add_some::<S, 2>(simd, width, words, ahead, (half, from), y);
-            from += 2 * S::F32_LANES;
+            self.add_some::<S, PAIR>(simd, width, words, ahead, (half, from), y);
+            from += PAIR * S::F32_LANES;
             if from >= half {
                 break;
             }
@@ -358,27 +394,11 @@ impl Collected {
     ) {
         let decoder = Decoder::new(simd);
         let lanes = N * S::F32_LANES;
-        let zero = simd.splat_f32s(0.0);
-        let (mut low, mut high) = ([zero; N], [zero; N]);
-        let (all_low, _) = S::as_simd_f32s(&y.low[from..from + lanes]);
-        let (all_high, _) = S::as_simd_f32s(&y.high[from..from + lanes]);
-        for ((low, high), (&l, &h)) in
-            low.iter_mut().zip(&mut high).zip(all_low.iter().zip(all_high))
-        {
-            (*low, *high) = (l, h);
-        }
+        let values = y.some::<S, N>(simd, from);
         let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
         let mut at = from;
         for sum in sums {
-            let words = &words[at..at + lanes];
-            fetch(words, ahead);
-            let (column, _) = S::as_simd_u32s(words);
-            let mut other = zero;
-            for k in 0..N {
-                *sum = simd.mul_add_e_f32s(decoder.low(simd, column[k]), low[k], *sum);
-                other = simd.mul_add_e_f32s(decoder.high(simd, column[k]), high[k], other);
-            }
-            *sum = simd.add_f32s(*sum, other);
+            collect(simd, decoder, &words[at..at + lanes], ahead, &values, sum);
             at += half;
         }
     }
@@ -393,53 +413,29 @@ impl Collected {
         y: &Halves,
     ) -> usize {
         let columns = Columns::of(words, width);
-        for from in (0..BLOCK / 2).step_by(2 * S::F32_LANES) {
-            self.add_columns::<S, 2>(simd, from, &columns, y);
+        let decoder = Decoder::new(simd);
+        let lanes = PAIR * S::F32_LANES;
+        let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
+        for from in (0..BLOCK / 2).step_by(lanes) {
+            let values = y.some::<S, PAIR>(simd, from);
+            for (column, at) in columns.long() {
+                let words = &columns.words[at + from..][..lanes];
+                collect(simd, decoder, words, AHEAD, &values, &mut sums[column]);
+            }
+            let (low, high) = &values;
+            for (column, at, factor) in columns.short() {
+                let quarters = Quarters::of(&columns.words[at..at + QUARTER], from);
+                let (mut one, mut other) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
+                for k in 0..PAIR {
+                    let (lower, upper) = quarters.shares(simd, decoder, from + k * S::F32_LANES);
+                    one = simd.mul_add_e_f32s(lower, low[k], one);
+                    other = simd.mul_add_e_f32s(upper, high[k], other);
+                }
+                let (both, factor) = (simd.add_f32s(one, other), simd.splat_f32s(factor));
+                sums[column] = simd.mul_add_e_f32s(both, factor, sums[column]);
+            }
         }
         columns.len()
-    }
-
-    #[inline(always)]
-    fn add_columns<S: Simd, const N: usize>(
-        &mut self,
-        simd: S,
-        from: usize,
-        columns: &Columns<'_>,
-        y: &Halves,
-    ) {
-        let decoder = Decoder::new(simd);
-        let lanes = N * S::F32_LANES;
-        let zero = simd.splat_f32s(0.0);
-        let (mut low, mut high) = ([zero; N], [zero; N]);
-        low.copy_from_slice(S::as_simd_f32s(&y.low[from..from + lanes]).0);
-        high.copy_from_slice(S::as_simd_f32s(&y.high[from..from + lanes]).0);
-        let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..STRIP * S::F32_LANES]);
-        for (column, at) in columns.long() {
-            let words = &columns.words[at + from..][..lanes];
-            fetch(words, AHEAD);
-            let (words, _) = S::as_simd_u32s(words);
-            let mut other = zero;
-            let sum = &mut sums[column];
-            for k in 0..N {
-                *sum = simd.mul_add_e_f32s(decoder.low(simd, words[k]), low[k], *sum);
-                other = simd.mul_add_e_f32s(decoder.high(simd, words[k]), high[k], other);
-            }
-            *sum = simd.add_f32s(*sum, other);
-        }
-        for (column, at, factor) in columns.short() {
-            let words = &columns.words[at..at + QUARTER];
-            if from == 0 {
-                fetch(words, AHEAD);
-            }
-            let (mut one, mut other) = (zero, zero);
-            for k in 0..N {
-                let (words, quarter) = quarter::<S>(words, from + k * S::F32_LANES);
-                one = simd.mul_add_e_f32s(decoder.byte(simd, words, quarter), low[k], one);
-                other = simd.mul_add_e_f32s(decoder.byte(simd, words, 2 + quarter), high[k], other);
-            }
-            let sum = &mut sums[column];
-            *sum = simd.mul_add_e_f32s(simd.add_f32s(one, other), simd.splat_f32s(factor), *sum);
-        }
     }
 
     /// The sums.

@@ -27,8 +27,8 @@ pub struct Task {
     pub children: Vec<u32>,
     /// Supernodes of this task and of all below it.
     pub all: Range<usize>,
-    /// Where the task's own vector starts among those of all tasks, see
-    /// [`Plan::vector_of`]; those below it come directly before.
+    /// Where the task's own vector lies among those of all tasks; those below it come
+    /// directly before.
     pub vector: Range<usize>,
     /// Where the vectors of this task and all below it start.
     pub vectors_start: usize,

@@ -14,8 +14,8 @@
 //!
 //! In fronts wide enough most shares are far smaller than their column's largest, and it is
 //! enough to know these to 8 bits. There each full block of 64 rows says which of a strip's
-//! columns are short in it; such a column has a step of its own for the roots of the block,
-//! of which they are up to 255.
+//! columns are short in it: a short one has a step of its own there, and its roots are whole
+//! numbers of steps, up to 255.
 //!
 //! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
 //! that are joined firmly the first gives to the second nearly all it has, and little to
@@ -55,9 +55,8 @@ pub const ONES: f32 = 8_388_608.0;
 pub const SCALE: f32 = 1.0 / ROOTS;
 pub const OFFSET: f32 = -ONES * SCALE;
 
-/// Blocks of a column whose shares are no larger have 8 bits an entry, see [`step_of`]. Twice
-/// that: a few per cent faster with 817,690 unknowns, but third corrections become more
-/// frequent.
+/// Blocks of a column whose shares are no larger have 8 bits an entry, see [`step_of`]. With
+/// larger ones a correction leaves more, and a third becomes more frequent.
 const SHORT: f32 = 5e-4;
 
 /// Words of such a block: each has rows k and k + 16, and the same of the upper half.
@@ -73,10 +72,12 @@ pub fn step_of(byte: u32) -> f32 {
     f32::from_bits((STEPS - byte) << 20)
 }
 
-/// The byte of the smallest step that is enough for shares up to this one.
+/// The byte of the smallest step that is enough for shares up to this one. Blocks of zeros
+/// have that of [`NOTHING`]: third powers of smaller steps times a solve's values leave the
+/// range in which processors are fast.
 fn step_for(largest: f32) -> u32 {
-    let least = (largest.cbrt() / 255.0).to_bits();
-    STEPS.saturating_sub(least.div_ceil(1 << 20)).min(255)
+    let least = (largest.max(NOTHING).cbrt() / 255.0).to_bits();
+    STEPS - least.div_ceil(1 << 20)
 }
 
 /// The root of a share to the nearest whole number.
@@ -186,8 +187,8 @@ impl Panel {
         strip.width * words(rows) + heads
     }
 
-    /// A chunk's rows, as rows below the panel, and where its words start. It has room for
-    /// long blocks only, and ends early if some are short.
+    /// A chunk's rows, as rows below the panel, and where its words start. It has room as if
+    /// all its columns were long, and ends early where some are short.
     pub fn chunk(self, chunk: usize) -> (std::ops::Range<usize>, usize) {
         let own = self.later.div_ceil(CHUNK);
         let (from, len, before) = if chunk < own {
@@ -273,7 +274,7 @@ pub fn panels(shape: Shape) -> impl DoubleEndedIterator<Item = Panel> {
     (0..shape.panels()).map(move |panel| Panel::new(shape, panel))
 }
 
-/// Parts of the factor: shares, two a word; inverses of the strips' triangles; and by
+/// Parts of the factor: shares, two or four a word; inverses of the strips' triangles; and by
 /// column the factors of the shares and the inverses of the diagonal.
 pub struct Part<'a> {
     pub words: &'a mut [u32],
@@ -448,9 +449,8 @@ impl pulp::NullaryFnOnce for Put<'_> {
             let column = |k: usize| &block.data[k * block.stride + from..][..len];
             let short = match packed && len == BLOCK {
                 true => {
-                    let short = Shorts::of(scales.iter().enumerate().map(|(k, &scale)| {
-                        column(k).iter().fold(0.0f32, |m, &v| m.max(-v)) * scale
-                    }));
+                    let largest = |(k, scale): (usize, &f32)| largest_of(column(k)) * scale;
+                    let short = Shorts::of(scales.iter().enumerate().map(largest));
                     at += short.write(&mut words[at..]);
                     short
                 }
@@ -483,6 +483,18 @@ impl pulp::NullaryFnOnce for Put<'_> {
         }
         at
     }
+}
+
+/// The largest share among a column's entries in a full block, before it is scaled.
+#[inline(always)]
+fn largest_of(column: &[f32]) -> f32 {
+    let mut most = [0.0f32; 16];
+    for chunk in column.as_chunks::<16>().0 {
+        for (most, &v) in most.iter_mut().zip(chunk) {
+            *most = if -v > *most { -v } else { *most };
+        }
+    }
+    most.into_iter().fold(0.0, f32::max)
 }
 
 /// Roots of a column's entries in a block, and the sum of the shares that they stand for. The
@@ -564,16 +576,18 @@ mod tests {
         assert_eq!(code(0.0), 0);
     }
 
-    /// The step of a short block is large enough for its largest share, and not twice as
-    /// large as that needs.
+    /// The step of a short block is large enough for its largest share, and an eighth
+    /// larger than that needs at most; its byte is one.
     #[test]
     fn steps_fit() {
-        for k in 0..200 {
+        for k in 0..160 {
             let largest = SHORT * 0.8f32.powi(k);
-            let (step, root) = (step_of(step_for(largest)), largest.cbrt());
-            assert!(root <= 255.4 * step, "{largest}");
-            assert!(root >= 226.0 * step, "{largest}");
+            let byte = step_for(largest);
+            let (step, root) = (step_of(byte), largest.cbrt());
+            assert!(root <= 255.4 * step && root >= 226.0 * step && byte < 256, "{largest}");
         }
-        assert_eq!(step_for(0.0), 255);
+        assert_eq!(step_for(0.0), step_for(NOTHING));
+        // What is multiplied by it stays a normal number, unless it is as small as that.
+        assert!(step_of(step_for(0.0)).powi(3) > 1e-28);
     }
 }
