@@ -8,6 +8,7 @@ mod domain;
 mod error;
 mod fetch;
 pub mod io;
+mod pages;
 pub mod pfv;
 pub mod scene;
 mod size;

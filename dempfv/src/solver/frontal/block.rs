@@ -4,6 +4,7 @@
 use pulp::Simd;
 
 use super::pivot::STRIP;
+use super::products::{EXPONENTS, MOST, ZERO, head_words, power_of, product_words};
 use super::shares::{BLOCK, OFFSET, ONES, QUARTER, SCALE, head, step_of, words as words_of};
 use crate::fetch::fetch;
 
@@ -66,6 +67,18 @@ impl Halves {
         both
     }
 
+    /// Each row's value times its power of two, see [`power_of`].
+    #[inline(always)]
+    pub fn times(&mut self, exponents: &[u32]) {
+        let Halves { low, high } = self;
+        let halves = [low.split_at_mut(EXPONENTS), high.split_at_mut(EXPONENTS)];
+        for (k, values) in halves.into_iter().flat_map(|(a, b)| [a, b]).enumerate() {
+            for (v, word) in values.iter_mut().zip(exponents) {
+                *v *= power_of(word >> (8 * k) & 0xff);
+            }
+        }
+    }
+
     #[inline(always)]
     pub fn add_to(&self, y: &mut [f32]) {
         let (low, high) = y.split_at_mut(words_of(y.len()));
@@ -84,9 +97,16 @@ impl Halves {
     }
 }
 
-/// Makes shares of words: third powers of their halves.
+/// Makes numbers of the halves of words.
+pub trait Decode<S: Simd>: Copy {
+    fn new(simd: S) -> Self;
+    fn low(self, simd: S, words: S::u32s) -> S::f32s;
+    fn high(self, simd: S, words: S::u32s) -> S::f32s;
+}
+
+/// Shares of their third roots.
 #[derive(Clone, Copy)]
-struct Decoder<S: Simd> {
+pub struct Roots<S: Simd> {
     half: S::u32s,
     mask: S::u32s,
     ones: S::u32s,
@@ -94,10 +114,10 @@ struct Decoder<S: Simd> {
     offset: S::f32s,
 }
 
-impl<S: Simd> Decoder<S> {
+impl<S: Simd> Decode<S> for Roots<S> {
     #[inline(always)]
-    fn new(simd: S) -> Decoder<S> {
-        Decoder {
+    fn new(simd: S) -> Roots<S> {
+        Roots {
             half: simd.splat_u32s(16),
             mask: simd.splat_u32s(0xffff),
             ones: simd.splat_u32s(ONES.to_bits()),
@@ -115,7 +135,9 @@ impl<S: Simd> Decoder<S> {
     fn high(self, simd: S, words: S::u32s) -> S::f32s {
         self.share(simd, simd.wrapping_dyn_shr_u32s(words, self.half))
     }
+}
 
+impl<S: Simd> Roots<S> {
     /// The third power of a byte.
     #[inline(always)]
     fn byte(self, simd: S, words: S::u32s, byte: usize) -> S::f32s {
@@ -133,32 +155,65 @@ impl<S: Simd> Decoder<S> {
     }
 }
 
+/// Whole numbers with a sign.
+#[derive(Clone, Copy)]
+pub struct Whole<S: Simd> {
+    half: S::u32s,
+    mask: S::u32s,
+    ones: S::u32s,
+    zero: S::f32s,
+}
+
+impl<S: Simd> Decode<S> for Whole<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Whole<S> {
+        Whole {
+            half: simd.splat_u32s(16),
+            mask: simd.splat_u32s(0xffff),
+            ones: simd.splat_u32s(ONES.to_bits()),
+            zero: simd.splat_f32s(f32::from_bits(ONES.to_bits() | ZERO)),
+        }
+    }
+
+    #[inline(always)]
+    fn low(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.or_u32s(simd.and_u32s(words, self.mask), self.ones);
+        simd.sub_f32s(simd.transmute_f32s_u32s(bits), self.zero)
+    }
+
+    #[inline(always)]
+    fn high(self, simd: S, words: S::u32s) -> S::f32s {
+        let bits = simd.or_u32s(simd.wrapping_dyn_shr_u32s(words, self.half), self.ones);
+        simd.sub_f32s(simd.transmute_f32s_u32s(bits), self.zero)
+    }
+}
+
 /// What the columns of a strip give to one block of rows: the shares times `x`, which
 /// are the columns' values times their factors.
 #[inline(always)]
-pub fn spread<S: Simd>(simd: S, half: usize, words: &[u32], x: &[f32]) -> Halves {
+pub fn spread<S: Simd, D: Decode<S>>(simd: S, half: usize, words: &[u32], x: &[f32]) -> Halves {
     let mut out = Halves::zeros();
     let mut from = 0;
     while half - from > S::F32_LANES {
-        spread_some::<S, PAIR>(simd, (half, from), words, x, &mut out);
+        spread_some::<S, D, PAIR>(simd, (half, from), words, x, &mut out);
         from += PAIR * S::F32_LANES;
         if from >= half {
             return out;
         }
     }
-    spread_some::<S, 1>(simd, (half, from), words, x, &mut out);
+    spread_some::<S, D, 1>(simd, (half, from), words, x, &mut out);
     out
 }
 
 #[inline(always)]
-fn spread_some<S: Simd, const N: usize>(
+fn spread_some<S: Simd, D: Decode<S>, const N: usize>(
     simd: S,
     (half, from): (usize, usize),
     words: &[u32],
     x: &[f32],
     out: &mut Halves,
 ) {
-    let decoder = Decoder::new(simd);
+    let decoder = D::new(simd);
     let lanes = N * S::F32_LANES;
     let zero = simd.splat_f32s(0.0);
     // Of columns by turns: twice as many sums in flight.
@@ -187,9 +242,9 @@ fn spread_some<S: Simd, const N: usize>(
 
 /// Adds one column's part.
 #[inline(always)]
-fn step<S: Simd, const N: usize>(
+fn step<S: Simd, D: Decode<S>, const N: usize>(
     simd: S,
-    decoder: Decoder<S>,
+    decoder: D,
     words: &[u32],
     x: f32,
     (low, high): &mut ([S::f32s; N], [S::f32s; N]),
@@ -270,7 +325,7 @@ pub fn spread_packed<S: Simd>(
     width: usize,
 ) -> (Halves, usize) {
     let columns = Columns::of(words, width);
-    let decoder = Decoder::new(simd);
+    let decoder = Roots::<S>::new(simd);
     let lanes = PAIR * S::F32_LANES;
     let mut given = Halves::zeros();
     for from in (0..BLOCK / 2).step_by(lanes) {
@@ -313,7 +368,7 @@ impl<'a> Quarters<'a> {
     /// Shares, in units of the column's factor, of a row of the lower half and those after
     /// it, and of the same of the upper half.
     #[inline(always)]
-    fn shares<S: Simd>(self, simd: S, decoder: Decoder<S>, row: usize) -> (S::f32s, S::f32s) {
+    fn shares<S: Simd>(self, simd: S, decoder: Roots<S>, row: usize) -> (S::f32s, S::f32s) {
         let (first, quarter) = (row % QUARTER, row / QUARTER);
         let words = S::as_simd_u32s(&self.0[first..first + S::F32_LANES]).0[0];
         (decoder.byte(simd, words, quarter), decoder.byte(simd, words, 2 + quarter))
@@ -322,9 +377,9 @@ impl<'a> Quarters<'a> {
 
 /// Adds one column's shares times the rows' values.
 #[inline(always)]
-fn collect<S: Simd, const N: usize>(
+fn collect<S: Simd, D: Decode<S>, const N: usize>(
     simd: S,
-    decoder: Decoder<S>,
+    decoder: D,
     words: &[u32],
     ahead: isize,
     (low, high): &([S::f32s; N], [S::f32s; N]),
@@ -346,7 +401,7 @@ pub struct Collected {
 }
 
 impl Collected {
-    pub fn new() -> Collected {
+    pub const fn new() -> Collected {
         Collected { lanes: [0.0; STRIP * WIDEST] }
     }
 
@@ -359,7 +414,7 @@ impl Collected {
     /// Adds the shares of one block times the rows' values. Words are asked for so far
     /// `ahead`, or behind if what comes next lies there.
     #[inline(always)]
-    pub fn add<S: Simd>(
+    pub fn add<S: Simd, D: Decode<S>>(
         &mut self,
         simd: S,
         width: usize,
@@ -371,19 +426,19 @@ impl Collected {
         let half = words_of(rows);
         let mut from = 0;
         while half - from > S::F32_LANES {
-            self.add_some::<S, PAIR>(simd, width, words, ahead, (half, from), y);
+            self.add_some::<S, D, PAIR>(simd, width, words, ahead, (half, from), y);
             from += PAIR * S::F32_LANES;
             if from >= half {
                 break;
             }
         }
         if from < half {
-            self.add_some::<S, 1>(simd, width, words, ahead, (half, from), y);
+            self.add_some::<S, D, 1>(simd, width, words, ahead, (half, from), y);
         }
     }
 
     #[inline(always)]
-    fn add_some<S: Simd, const N: usize>(
+    fn add_some<S: Simd, D: Decode<S>, const N: usize>(
         &mut self,
         simd: S,
         width: usize,
@@ -392,7 +447,7 @@ impl Collected {
         (half, from): (usize, usize),
         y: &Halves,
     ) {
-        let decoder = Decoder::new(simd);
+        let decoder = D::new(simd);
         let lanes = N * S::F32_LANES;
         let values = y.some::<S, N>(simd, from);
         let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
@@ -413,7 +468,7 @@ impl Collected {
         y: &Halves,
     ) -> usize {
         let columns = Columns::of(words, width);
-        let decoder = Decoder::new(simd);
+        let decoder = Roots::<S>::new(simd);
         let lanes = PAIR * S::F32_LANES;
         let (sums, _) = S::as_mut_simd_f32s(&mut self.lanes[..width * S::F32_LANES]);
         for from in (0..BLOCK / 2).step_by(lanes) {
@@ -446,6 +501,69 @@ impl Collected {
             *out = simd.reduce_sum_f32s(sum);
         }
     }
+}
+
+/// What a panel's columns give to a full block of rows, by products: `x` are the columns'
+/// values times their factors. Also returns how many words that took.
+#[inline(always)]
+pub fn spread_products<S: Simd>(
+    simd: S,
+    collected: &mut Collected,
+    rank: usize,
+    words: &[u32],
+    x: &[f32],
+) -> (Halves, usize) {
+    let head = head_words(x.len());
+    let (exponents, of_columns) = words[1..head].split_at(EXPONENTS);
+    let mut at = head + rank;
+    collected.begin::<S>(rank);
+    for (x, exponents) in x.chunks(BLOCK).zip(of_columns.chunks_exact(EXPONENTS)) {
+        let mut values = Halves::of(x);
+        values.times(exponents);
+        collected.add::<S, Whole<S>>(simd, rank, &words[at..], AHEAD, x.len(), &values);
+        at += rank * words_of(x.len());
+    }
+    let mut sums = [0.0; MOST];
+    let sums = &mut sums[..rank];
+    collected.total(simd, sums);
+    let units = &words[head..head + rank];
+    sums.iter_mut().zip(units).for_each(|(sum, &unit)| *sum *= f32::from_bits(unit));
+    let mut given = spread::<S, Whole<S>>(simd, BLOCK / 2, &words[at..], sums);
+    given.times(exponents);
+    (given, at + rank * (BLOCK / 2))
+}
+
+/// What a panel's columns get from a full block of rows, by products; returns how many
+/// words that took.
+#[inline(always)]
+pub fn collect_products<S: Simd>(
+    simd: S,
+    collected: &mut Collected,
+    rank: usize,
+    words: &[u32],
+    mut y: Halves,
+    x: &mut [f32],
+) -> usize {
+    let head = head_words(x.len());
+    let (exponents, of_columns) = words[1..head].split_at(EXPONENTS);
+    let mut at = head + rank;
+    let right = product_words(rank, x.len()) - rank * (BLOCK / 2);
+    y.times(exponents);
+    collected.begin::<S>(rank);
+    collected.add::<S, Whole<S>>(simd, rank, &words[right..], AHEAD, BLOCK, &y);
+    let mut sums = [0.0; MOST];
+    let sums = &mut sums[..rank];
+    collected.total(simd, sums);
+    let units = &words[head..head + rank];
+    sums.iter_mut().zip(units).for_each(|(sum, &unit)| *sum *= f32::from_bits(unit));
+    for (x, exponents) in x.chunks_mut(BLOCK).zip(of_columns.chunks_exact(EXPONENTS)) {
+        let half = words_of(x.len());
+        let mut given = spread::<S, Whole<S>>(simd, half, &words[at..], sums);
+        given.times(exponents);
+        given.add_to(x);
+        at += rank * half;
+    }
+    product_words(rank, x.len())
 }
 
 /// From the 32nd on all bits, before it none; and the other way round.

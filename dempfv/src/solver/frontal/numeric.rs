@@ -139,7 +139,7 @@ impl Factorization<'_> {
         let mut entries = vec![0.0; Shape { width: shape.edge, edge: 0 }.len()];
         complement(shape, l, &mut entries, shared);
         assemble::rest(pattern, children, shape, &mut entries, shared);
-        shares::take(shape, l, part, shared);
+        shares::take(shape, l, self.plan.products, part, shared);
         excess.drain(..shape.width);
         Ok(Update { from: s, entries, excess })
     }

@@ -26,6 +26,7 @@ use rayon::prelude::*;
 
 use super::dense::Block;
 use super::pivot::STRIP;
+use super::products::{Products, head_words, product_words};
 use super::shape::{Rows, Shape, TILE};
 use super::symbolic::Pattern;
 
@@ -58,6 +59,9 @@ pub const OFFSET: f32 = -ONES * SCALE;
 /// Blocks of a column whose shares are no larger have 8 bits an entry, see [`step_of`]. With
 /// larger ones a correction leaves more, and a third becomes more frequent.
 const SHORT: f32 = 5e-4;
+
+/// Products take the place of a block where they have no more than this part of its words.
+const WORTH: f32 = 0.85;
 
 /// Words of such a block: each has rows k and k + 16, and the same of the upper half.
 pub const QUARTER: usize = BLOCK / 4;
@@ -176,15 +180,11 @@ impl Panel {
         self.later.div_ceil(CHUNK) + self.edge.div_ceil(CHUNK)
     }
 
-    /// Words that so many rows below may take, all strips together.
+    /// Words that so many rows below may take: in full blocks a word for the number of
+    /// products and one for each strip, if they are packed.
     fn room(self, rows: usize) -> usize {
-        self.strips().map(|strip| self.room_of(strip, rows)).sum()
-    }
-
-    /// Words that so many rows below may take in one strip.
-    fn room_of(self, strip: Strip, rows: usize) -> usize {
-        let heads = if self.packed { rows / BLOCK } else { 0 };
-        strip.width * words(rows) + heads
+        let heads = if self.packed { rows / BLOCK * (1 + self.strips().len()) } else { 0 };
+        self.width * words(rows) + heads
     }
 
     /// A chunk's rows, as rows below the panel, and where its words start. It has room as if
@@ -302,8 +302,8 @@ impl<'a> Part<'a> {
 }
 
 /// Takes over a factored front, in which the triangles of strips on the diagonal are
-/// inverted.
-pub fn take(shape: Shape, l: &[f32], part: Part<'_>, shared: bool) {
+/// inverted. Blocks may become products where that is allowed.
+pub fn take(shape: Shape, l: &[f32], products: bool, part: Part<'_>, shared: bool) {
     let mut rest = part;
     let mut work = vec![];
     for (k, panel) in panels(shape).enumerate() {
@@ -311,7 +311,7 @@ pub fn take(shape: Shape, l: &[f32], part: Part<'_>, shared: bool) {
         work.push((k, panel, this));
         rest = after;
     }
-    let one = |(k, panel, part)| take_panel(shape, k, panel, l, part);
+    let one = |(k, panel, part)| take_panel(shape, k, panel, l, products, part);
     if shared && work.len() > 1 {
         work.into_par_iter().for_each(one);
     } else {
@@ -319,14 +319,13 @@ pub fn take(shape: Shape, l: &[f32], part: Part<'_>, shared: bool) {
     }
 }
 
-fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], part: Part<'_>) {
+fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], products: bool, part: Part<'_>) {
     let start = shape.panel_start(k);
     let w = panel.width;
     let diagonal = &l[start..start + w * w];
     let Part { words, triangles, factors, .. } = part;
+    let mut columns = Columns::default();
     let (mut inside, mut triangle) = (0, 0);
-    // Where the next strip of each chunk goes.
-    let mut next: Vec<usize> = (0..panel.chunks()).map(|k| panel.chunk(k).1).collect();
     for strip in panel.strips() {
         let (from, size) = (strip.first, strip.width);
         let end = from + size;
@@ -350,27 +349,57 @@ fn take_panel(shape: Shape, k: usize, panel: Panel, l: &[f32], part: Part<'_>) {
         for block in std::iter::once(below).chain(shape.below(k).map(tile)) {
             pulp::Arch::new().dispatch(Sum { block, size, sums: &mut sums });
         }
-        let scales = sums.scales();
-        let mut kept = [0.0; STRIP];
-        let mut put = |block: Block<'_>, packed: bool, words: &mut [u32]| {
-            let scales = &scales[..size];
-            pulp::Arch::new().dispatch(Put { block, scales, packed, words, kept: &mut kept })
-        };
+        columns.scales[from..end].copy_from_slice(&sums.scales()[..size]);
+        columns.total[from..end].copy_from_slice(&sums.total[..size]);
         let here = panel.inside(strip);
-        put(below, false, &mut words[inside..inside + here]);
+        let words = &mut words[inside..inside + here];
+        pulp::Arch::new().dispatch(Put { strip, block: below, words, columns: &mut columns });
         inside += here;
-        let mut tiles = shape.below(k);
-        for (chunk, next) in next.iter_mut().enumerate() {
-            let (rows, _) = panel.chunk(chunk);
-            for rows in tiles.by_ref().take(rows.len().div_ceil(TILE)) {
-                let room = panel.room_of(strip, rows.len);
-                *next += put(tile(rows), panel.packed, &mut words[*next..*next + room]);
+    }
+
+    // Then what is below, block by block.
+    let mut products = (panel.packed && products).then(Products::new);
+    let mut tiles = shape.below(k);
+    for chunk in 0..panel.chunks() {
+        let (rows, mut at) = panel.chunk(chunk);
+        for rows in tiles.by_ref().take(rows.len().div_ceil(TILE)) {
+            let tile = &l[start + shape.tile_start(k, rows.start)..];
+            for from in (0..rows.len).step_by(BLOCK) {
+                let len = BLOCK.min(rows.len - from);
+                let block = Block { data: &tile[from..], rows: len, stride: rows.len };
+                let packed = panel.packed && len == BLOCK;
+                let products = products.as_mut().filter(|_| packed);
+                let words = &mut words[at..];
+                let columns = &mut columns;
+                at += pulp::Arch::new().dispatch(Put64 {
+                    panel,
+                    block,
+                    packed,
+                    words,
+                    columns,
+                    products,
+                });
             }
         }
-        let factors = factors[from..end].iter_mut();
-        for ((factor, sum), kept) in factors.zip(sums.total).zip(kept) {
-            *factor = if kept > 0.0 { (sum / kept) as f32 } else { 0.0 };
-        }
+    }
+    for (j, factor) in factors[..w].iter_mut().enumerate() {
+        let (total, kept) = (columns.total[j], columns.kept[j]);
+        *factor = if kept > 0.0 { (total / kept) as f32 } else { 0.0 };
+    }
+}
+
+/// What the columns of a panel are kept with.
+struct Columns {
+    /// What makes shares of their entries.
+    scales: [f32; TILE],
+    /// Sums of their entries, and of the shares that are kept.
+    total: [f64; TILE],
+    kept: [f64; TILE],
+}
+
+impl Default for Columns {
+    fn default() -> Columns {
+        Columns { scales: [0.0; TILE], total: [0.0; TILE], kept: [0.0; TILE] }
     }
 }
 
@@ -427,62 +456,122 @@ impl pulp::NullaryFnOnce for Sum<'_> {
     }
 }
 
-/// Puts a run of rows of a strip into words, block by block, and sums up what was kept.
+/// Puts a strip's later rows of its panel into words, and sums up what was kept.
 struct Put<'a> {
+    strip: Strip,
     block: Block<'a>,
-    scales: &'a [f32],
-    packed: bool,
     words: &'a mut [u32],
-    kept: &'a mut [f64; STRIP],
+    columns: &'a mut Columns,
 }
 
 impl pulp::NullaryFnOnce for Put<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Put { strip, block, words, columns } = self;
+        let mut at = 0;
+        for from in (0..block.rows).step_by(BLOCK) {
+            let len = BLOCK.min(block.rows - from);
+            let rows = Block { data: &block.data[from..], rows: len, ..block };
+            at += put_strip(rows, strip, false, &mut words[at..], columns);
+        }
+    }
+}
+
+/// The same for up to 64 rows below a panel, and all its columns. A packed block says which of
+/// its columns are short, or is a sum of products if there is memory to find these.
+struct Put64<'a> {
+    panel: Panel,
+    block: Block<'a>,
+    packed: bool,
+    words: &'a mut [u32],
+    columns: &'a mut Columns,
+    products: Option<&'a mut Products>,
+}
+
+impl pulp::WithSimd for Put64<'_> {
     /// How many words that took.
     type Output = usize;
 
     #[inline(always)]
-    fn call(self) -> usize {
-        let Put { block, scales, packed, words, kept } = self;
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> usize {
+        let Put64 { panel, block, packed, words, columns, products } = self;
         let mut at = 0;
-        for from in (0..block.rows).step_by(BLOCK) {
-            let len = BLOCK.min(block.rows - from);
-            let column = |k: usize| &block.data[k * block.stride + from..][..len];
-            let short = match packed && len == BLOCK {
-                true => {
-                    let largest = |(k, scale): (usize, &f32)| largest_of(column(k)) * scale;
-                    let short = Shorts::of(scales.iter().enumerate().map(largest));
-                    at += short.write(&mut words[at..]);
-                    short
-                }
-                false => Shorts::default(),
-            };
-            let half = self::words(len);
-            let is_short = |k: usize| short.mask >> k & 1 == 1;
-            for k in (0..scales.len()).filter(|&k| !is_short(k)) {
-                let (codes, sum) = coded(column(k), scales[k], 1.0);
-                kept[k] += sum;
-                let (low, high) = codes.split_at(half);
-                for ((word, &low), &high) in words[at..at + half].iter_mut().zip(low).zip(high) {
-                    *word = low | high << 16;
-                }
-                at += half;
+        if let Some(products) = products {
+            let scales = &columns.scales[..panel.width];
+            let column = |k: usize| &block.data[k * block.stride..][..BLOCK];
+            let is_short = |(k, scale): (usize, &f32)| largest_of(column(k)) * scale <= SHORT;
+            let short = scales.iter().enumerate().filter(|&column| is_short(column)).count();
+            let plain = panel.width * (BLOCK / 2) - short * QUARTER;
+            let width = panel.width;
+            let head = head_words(width);
+            let each = product_words(1, width) - head;
+            let most = ((plain as f32 * WORTH) as usize).saturating_sub(head) / each;
+            if products.find(simd, block, scales, most) {
+                return products.write(words, &mut columns.kept[..width]);
             }
-            for (k, &byte) in (0..scales.len()).filter(|&k| is_short(k)).zip(&short.steps) {
-                let step = step_of(byte.into());
-                // Of a third root in units of the step.
-                let to_unit = 1.0 / (ROOTS * step);
-                let factor = to_unit * to_unit * to_unit;
-                let (codes, sum) = coded(column(k), scales[k], factor);
-                kept[k] += sum / f64::from(factor);
-                for (i, word) in words[at..at + QUARTER].iter_mut().enumerate() {
-                    let byte = |quarter: usize| codes[i + quarter * QUARTER] << (8 * quarter);
-                    *word = byte(0) | byte(1) | byte(2) | byte(3);
-                }
-                at += QUARTER;
-            }
+        }
+        if packed {
+            words[0] = 0;
+            at = 1;
+        }
+        for strip in panel.strips() {
+            let strip_block = Block { data: &block.data[strip.first * block.stride..], ..block };
+            at += put_strip(strip_block, strip, packed, &mut words[at..], columns);
         }
         at
     }
+}
+
+/// Puts up to 64 rows of a strip into words, with a head or without; returns how many
+/// words that took.
+#[inline(always)]
+fn put_strip(
+    block: Block<'_>,
+    strip: Strip,
+    packed: bool,
+    words: &mut [u32],
+    columns: &mut Columns,
+) -> usize {
+    let scales = &columns.scales[strip.first..strip.first + strip.width];
+    let kept = &mut columns.kept[strip.first..strip.first + strip.width];
+    let column = |k: usize| &block.data[k * block.stride..][..block.rows];
+    let mut at = 0;
+    let short = match packed {
+        true => {
+            let largest = |(k, scale): (usize, &f32)| largest_of(column(k)) * scale;
+            let short = Shorts::of(scales.iter().enumerate().map(largest));
+            at += short.write(words);
+            short
+        }
+        false => Shorts::default(),
+    };
+    let half = self::words(block.rows);
+    let is_short = |k: usize| short.mask >> k & 1 == 1;
+    for k in (0..scales.len()).filter(|&k| !is_short(k)) {
+        let (codes, sum) = coded(column(k), scales[k], 1.0);
+        kept[k] += sum;
+        let (low, high) = codes.split_at(half);
+        for ((word, &low), &high) in words[at..at + half].iter_mut().zip(low).zip(high) {
+            *word = low | high << 16;
+        }
+        at += half;
+    }
+    for (k, &byte) in (0..scales.len()).filter(|&k| is_short(k)).zip(&short.steps) {
+        let step = step_of(byte.into());
+        // Of a third root in units of the step.
+        let to_unit = 1.0 / (ROOTS * step);
+        let factor = to_unit * to_unit * to_unit;
+        let (codes, sum) = coded(column(k), scales[k], factor);
+        kept[k] += sum / f64::from(factor);
+        for (i, word) in words[at..at + QUARTER].iter_mut().enumerate() {
+            let byte = |quarter: usize| codes[i + quarter * QUARTER] << (8 * quarter);
+            *word = byte(0) | byte(1) | byte(2) | byte(3);
+        }
+        at += QUARTER;
+    }
+    at
 }
 
 /// The largest share among a column's entries in a full block, before it is scaled.

@@ -5,9 +5,12 @@ use std::ops::Range;
 use pulp::Simd;
 use rayon::prelude::*;
 
-use super::block::{AHEAD, Collected, Halves, spread, spread_packed, turn};
+use super::block::{
+    AHEAD, Collected, Halves, Roots, collect_products, spread, spread_packed, spread_products, turn,
+};
 use super::lanes::Tail;
 use super::pivot::STRIP;
+use super::products::rank_of;
 use super::shape::{Shape, TILE};
 use super::shares::{BLOCK, CHUNK, Panel, Strip, panels, words as words_of};
 
@@ -52,7 +55,7 @@ pub fn forward_narrow<S: Simd>(
     for from in (0..front.shape.edge).step_by(BLOCK) {
         let to = front.shape.edge.min(from + BLOCK);
         let half = words_of(to - from);
-        give(from..to, &spread(simd, half, &front.words[at..], values));
+        give(from..to, &spread::<S, Roots<S>>(simd, half, &front.words[at..], values));
         at += half * values.len();
     }
 }
@@ -72,7 +75,14 @@ pub fn backward_narrow<S: Simd>(
     let mut at = 0;
     for from in (0..front.shape.edge).step_by(BLOCK) {
         let to = front.shape.edge.min(from + BLOCK);
-        collected.add(simd, width, &front.words[at..], -AHEAD, to - from, &take(from..to));
+        collected.add::<S, Roots<S>>(
+            simd,
+            width,
+            &front.words[at..],
+            -AHEAD,
+            to - from,
+            &take(from..to),
+        );
         at += words_of(to - from) * width;
     }
     let mut sums = [0.0; STRIP];
@@ -144,33 +154,25 @@ impl pulp::WithSimd for Inside<'_> {
             turn::<S, false>(simd, &part.triangles[triangle..], x);
             triangle += strip.triangle();
             given(simd, x, &part.factors[first..], values);
-            at += spread_over(simd, &part.words[at..], values, width, false, later);
+            at += spread_over(simd, &part.words[at..], values, width, later);
         }
     }
 }
 
-/// The way forward from a strip to rows that lie one after the other, with heads or without;
-/// returns how many words that took.
+/// The way forward from a strip to later rows of its panel; returns how many words that took.
 #[inline(always)]
 fn spread_over<S: Simd>(
     simd: S,
     words: &[u32],
     x: &[f32; STRIP],
     width: usize,
-    packed: bool,
     y: &mut [f32],
 ) -> usize {
     let mut at = 0;
     for y in y.chunks_mut(BLOCK) {
-        if packed && y.len() == BLOCK {
-            let (given, taken) = spread_packed(simd, &words[at..], x, width);
-            given.add_to(y);
-            at += taken;
-        } else {
-            let half = words_of(y.len());
-            spread(simd, half, &words[at..], &x[..width]).add_to(y);
-            at += half * width;
-        }
+        let half = words_of(y.len());
+        spread::<S, Roots<S>>(simd, half, &words[at..], &x[..width]).add_to(y);
+        at += half * width;
     }
     at
 }
@@ -188,10 +190,28 @@ impl pulp::WithSimd for Chunk<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Chunk { panel, words, given, y } = self;
-        let mut at = 0;
-        for (strip, values) in panel.strips().zip(given) {
-            at += spread_over(simd, &words[at..], values, strip.width, panel.packed, y);
+        let Chunk { panel, mut words, given, y } = self;
+        let mut collected = Collected::new();
+        for y in y.chunks_mut(BLOCK) {
+            let packed = panel.packed && y.len() == BLOCK;
+            if packed && let Some(rank) = rank_of(words[0]) {
+                let x = &given.as_flattened()[..panel.width];
+                let (given, taken) = spread_products(simd, &mut collected, rank, words, x);
+                given.add_to(y);
+                words = &words[taken..];
+                continue;
+            }
+            words = &words[usize::from(packed)..];
+            for (strip, values) in panel.strips().zip(given) {
+                let taken = if packed {
+                    let (given, taken) = spread_packed(simd, words, values, strip.width);
+                    given.add_to(y);
+                    taken
+                } else {
+                    spread_over(simd, words, values, strip.width, y)
+                };
+                words = &words[taken..];
+            }
         }
     }
 }
@@ -272,38 +292,51 @@ impl pulp::WithSimd for Collect<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Collect { panel, words, y, sums } = self;
-        let mut collected = Collected::new();
-        let mut at = 0;
-        for strip in panel.strips() {
-            collected.begin::<S>(strip.width);
-            let words = &words[at..];
-            at += collect_over(simd, &mut collected, strip.width, panel.packed, words, y);
-            collected.total(simd, &mut sums[strip.first..strip.first + strip.width]);
+        let Collect { panel, mut words, y, sums } = self;
+        let mut of_strips = [const { Collected::new() }; TILE / STRIP];
+        let mut of_products = Collected::new();
+        for y in y.chunks(BLOCK) {
+            let values = Halves::of(y);
+            let packed = panel.packed && y.len() == BLOCK;
+            if packed && let Some(rank) = rank_of(words[0]) {
+                let sums = &mut sums[..panel.width];
+                let taken = collect_products(simd, &mut of_products, rank, words, values, sums);
+                words = &words[taken..];
+                continue;
+            }
+            words = &words[usize::from(packed)..];
+            for (strip, collected) in panel.strips().zip(&mut of_strips) {
+                let taken = if packed {
+                    collected.add_packed(simd, strip.width, words, &values)
+                } else {
+                    collect_over(simd, collected, strip.width, words, y)
+                };
+                words = &words[taken..];
+            }
+        }
+        for (strip, collected) in panel.strips().zip(&of_strips) {
+            let mut more = [0.0; STRIP];
+            let more = &mut more[..strip.width];
+            collected.total(simd, more);
+            sums[strip.first..].iter_mut().zip(&*more).for_each(|(sum, v)| *sum += v);
         }
     }
 }
 
-/// The way back from rows that lie one after the other, with heads or without, to a strip;
-/// returns how many words that took.
+/// The way back from later rows of a panel to a strip; returns how many words that took.
 #[inline(always)]
 fn collect_over<S: Simd>(
     simd: S,
     collected: &mut Collected,
     width: usize,
-    packed: bool,
     words: &[u32],
     y: &[f32],
 ) -> usize {
     let mut at = 0;
     for y in y.chunks(BLOCK) {
-        let (words, values) = (&words[at..], Halves::of(y));
-        if packed && y.len() == BLOCK {
-            at += collected.add_packed(simd, width, words, &values);
-        } else {
-            collected.add(simd, width, words, AHEAD, y.len(), &values);
-            at += words_of(y.len()) * width;
-        }
+        let values = Halves::of(y);
+        collected.add::<S, Roots<S>>(simd, width, &words[at..], AHEAD, y.len(), &values);
+        at += words_of(y.len()) * width;
     }
     at
 }
@@ -330,7 +363,7 @@ impl pulp::WithSimd for Back<'_> {
             triangle -= strip.triangle();
             let (x, later) = own[first..].split_at_mut(width);
             collected.begin::<S>(width);
-            collect_over(simd, &mut collected, width, false, &part.words[at..], later);
+            collect_over(simd, &mut collected, width, &part.words[at..], later);
             let mut all = [0.0; STRIP];
             let all = &mut all[..width];
             collected.total(simd, all);
@@ -417,7 +450,7 @@ mod tests {
                 factors: &mut made.factors,
                 inverse: &mut vec![0.0; width],
             };
-            shares::take(shape, &l, part, shared);
+            shares::take(shape, &l, true, part, shared);
             made
         }
 
@@ -575,12 +608,11 @@ mod tests {
                 assert!((f64::from(found) - expected).abs() <= bound, "{found} {expected}");
             };
             let y: Vec<f32> = (0..BLOCK).map(|k| number(5 * k + 1) as f32).collect();
-            for strip in panel.strips() {
-                for row in (0..edge.min(CHUNK)).step_by(BLOCK) {
-                    if row + BLOCK > edge {
-                        words = &words[words_of(edge - row) * strip.width..];
-                        continue;
-                    }
+            for row in (0..edge.min(CHUNK) / BLOCK * BLOCK).step_by(BLOCK) {
+                // Numbers as these are no sum of few products.
+                assert_eq!(rank_of(words[0]), None, "{width} {edge} {row}");
+                words = &words[1..];
+                for strip in panel.strips() {
                     let columns = Columns::of(words, strip.width);
                     let first = panel.first + strip.first;
                     let far = |k: &usize| is_far(row, first + k);

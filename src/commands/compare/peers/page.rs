@@ -345,8 +345,8 @@ fn inside(results: &Results) -> String {
                     is all between the rates of volume and the pressures: right-hand side, \
                     prediction, refinement. Tolerance: what the scene says a solve may leave, of \
                     fluid mass and of the estimated error. With all digits ours asks for less than the \
-                    default, so that the residual is what CHOLMOD leaves: a part of its solves then \
-                    takes three corrections in place of two, which the mean tells. CHOLMOD's solve \
+                    default, so that the residual is what CHOLMOD leaves: where that takes a third \
+                    correction now and then, the mean tells. CHOLMOD's solve \
                     uses one thread of the BLAS here. A plain solve of CHOLMOD, which the contest \
                     also counts if it is faster, has the residual “over b” of the tables above.\n\n| spheres | unknowns | solver | tolerance | \
                     ms a solve | mean | residual | largest error of a pressure |\n\
