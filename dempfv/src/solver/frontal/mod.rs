@@ -323,10 +323,11 @@ impl Factor for FrontalFactor {
 mod tests {
     use super::*;
 
-    /// Cubes of pores, whose throats conduct from 1e-3 to 1, with a leak in each of the first layer.
-    fn network(m: usize) -> SymmetricCsc {
+    /// A cube of pores whose throats' conductances span so many decades, with a leak in each
+    /// of the first layer.
+    fn network(m: usize, decades: f64) -> SymmetricCsc {
         let n = m * m * m;
-        let conductance = |k: usize| 10f64.powf(-3.0 * ((k * 7919 + 13) % 101) as f64 / 101.0);
+        let conductance = |k: usize| 10f64.powf(-decades * ((k * 7919 + 13) % 101) as f64 / 101.0);
         let mut a = SymmetricCsc { n, col_ptr: vec![0], ..Default::default() };
         let mut diagonal: Vec<f64> =
             (0..n).map(|k| if k < m * m { conductance(k) } else { 0.0 }).collect();
@@ -350,18 +351,25 @@ mod tests {
         a
     }
 
-    /// With blocks kept as products a correction leaves 1e-4 of an error at most, as without
-    /// (3e-5 seen with and without), and any number of threads gives the same bits.
+    /// With blocks kept as products a correction leaves about what it does without, of an error
+    /// in which neighbours differ at random: where conductances span three decades 3e-5
+    /// was seen with and without, where nine 8e-3 and 3e-3. Any number of threads gives the
+    /// same bits.
     #[test]
     fn products_keep_the_digits_of_a_correction() {
-        let a = network(30);
+        for (decades, bound) in [(3.0, 1e-4), (9.0, 2e-2)] {
+            products_keep_digits(&network(30, decades), bound);
+        }
+    }
+
+    fn products_keep_digits(a: &SymmetricCsc, bound: f64) {
         let truth: Vec<f64> = (0..a.n).map(|k| 1.0 + (k * 31 % 1_009) as f64 / 1_009.0).collect();
         let mut b = vec![0.0; a.n];
         a.multiply(&truth, &mut b);
         let run = |threads: usize, products: bool| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let pattern = Pattern::new(&a, cholmod::metis_order(&a).unwrap());
+                let pattern = Pattern::new(a, cholmod::metis_order(a).unwrap());
                 let plan = Plan { products, ..Plan::new(&pattern) };
                 let places = Places::new(&pattern);
                 let analysis = Analysis { ordering: "metis", nnz_l: 0, flops: 0.0 };
@@ -369,13 +377,13 @@ mod tests {
                 let analyzed = Analyzed { pattern, plan, places, analysis, hash };
                 let symbolic: Box<dyn Symbolic> = Box::new(analyzed);
                 let mut x = vec![0.0; a.n];
-                symbolic.factor(&a).unwrap().correct(&b, &mut x).unwrap();
+                symbolic.factor(a).unwrap().correct(&b, &mut x).unwrap();
                 x
             })
         };
         let error = |x: &[f64]| x.iter().zip(&truth).fold(0.0f64, |m, (x, t)| m.max((x - t).abs()));
         let (without, with) = (run(2, false), run(2, true));
-        assert!(error(&without) < 1e-4 && error(&with) < 1e-4);
+        assert!(error(&without) < bound && error(&with) < bound);
         assert!(with != without);
         assert!(with == run(1, true) && with == run(5, true));
     }

@@ -15,7 +15,8 @@
 //! In fronts wide enough most shares are far smaller than their column's largest, and it is
 //! enough to know these to 8 bits. There each full block of 64 rows says which of a strip's
 //! columns are short in it: a short one has a step of its own there, and its roots are whole
-//! numbers of steps, up to 255.
+//! numbers of steps, up to 255. Or the block, all strips of the panel together, is a sum of
+//! few products, see [`super::products`].
 //!
 //! Shares of single columns are kept, never of a strip as a whole (L₂ T): of two unknowns
 //! that are joined firmly the first gives to the second nearly all it has, and little to
@@ -33,7 +34,7 @@ use super::symbolic::Pattern;
 /// Rows of a block: what a solve keeps in registers while it goes through a strip.
 pub const BLOCK: usize = 64;
 
-/// Rows of a chunk, which is read strip by strip: its part of a vector stays near.
+/// Rows of a chunk, which one thread reads block by block.
 pub const CHUNK: usize = 2 * TILE;
 
 /// Words after the last that may be read, and have no effect.
@@ -112,7 +113,8 @@ pub fn words(rows: usize) -> usize {
 }
 
 /// The columns of one panel as solves read them: first what goes to later rows of the
-/// panel, strip by strip, then what goes to the rows below, chunk by chunk.
+/// panel, strip by strip, then what goes to the rows below, chunk by chunk and in these block
+/// by block.
 #[derive(Clone, Copy)]
 pub struct Panel {
     /// First column in the front, and number of columns.
