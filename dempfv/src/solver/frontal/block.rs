@@ -177,13 +177,19 @@ impl<S: Simd> Decode<S> for Whole<S> {
 
     #[inline(always)]
     fn low(self, simd: S, words: S::u32s) -> S::f32s {
-        let bits = simd.or_u32s(simd.and_u32s(words, self.mask), self.ones);
-        simd.sub_f32s(simd.transmute_f32s_u32s(bits), self.zero)
+        self.number(simd, simd.and_u32s(words, self.mask))
     }
 
     #[inline(always)]
     fn high(self, simd: S, words: S::u32s) -> S::f32s {
-        let bits = simd.or_u32s(simd.wrapping_dyn_shr_u32s(words, self.half), self.ones);
+        self.number(simd, simd.wrapping_dyn_shr_u32s(words, self.half))
+    }
+}
+
+impl<S: Simd> Whole<S> {
+    #[inline(always)]
+    fn number(self, simd: S, half: S::u32s) -> S::f32s {
+        let bits = simd.or_u32s(half, self.ones);
         simd.sub_f32s(simd.transmute_f32s_u32s(bits), self.zero)
     }
 }
@@ -503,6 +509,37 @@ impl Collected {
     }
 }
 
+/// The words of a full block that is a sum of products.
+struct Sum<'a> {
+    rank: usize,
+    /// Bytes of the powers of two of rows, and of columns.
+    rows: &'a [u32],
+    columns: &'a [u32],
+    units: &'a [u32],
+    /// What the products have for the columns, and for the rows.
+    right: &'a [u32],
+    left: &'a [u32],
+}
+
+impl<'a> Sum<'a> {
+    #[inline(always)]
+    fn of(words: &'a [u32], rank: usize, width: usize) -> Sum<'a> {
+        let (head, products) = words.split_at(head_words(width));
+        let (rows, columns) = head[1..].split_at(EXPONENTS);
+        let (units, right) = products.split_at(rank);
+        let len = product_words(rank, width) - head.len() - rank * (1 + BLOCK / 2);
+        Sum { rank, rows, columns, units, right, left: &right[len..] }
+    }
+
+    /// What has come together for each product, in the end.
+    #[inline(always)]
+    fn total<S: Simd>(&self, simd: S, collected: &Collected, out: &mut [f32; MOST]) {
+        let out = &mut out[..self.rank];
+        collected.total(simd, out);
+        out.iter_mut().zip(self.units).for_each(|(sum, &unit)| *sum *= f32::from_bits(unit));
+    }
+}
+
 /// What a panel's columns give to a full block of rows, by products: `x` are the columns'
 /// values times their factors. Also returns how many words that took.
 #[inline(always)]
@@ -513,24 +550,20 @@ pub fn spread_products<S: Simd>(
     words: &[u32],
     x: &[f32],
 ) -> (Halves, usize) {
-    let head = head_words(x.len());
-    let (exponents, of_columns) = words[1..head].split_at(EXPONENTS);
-    let mut at = head + rank;
+    let sum = Sum::of(words, rank, x.len());
+    let mut at = 0;
     collected.begin::<S>(rank);
-    for (x, exponents) in x.chunks(BLOCK).zip(of_columns.chunks_exact(EXPONENTS)) {
+    for (x, exponents) in x.chunks(BLOCK).zip(sum.columns.chunks_exact(EXPONENTS)) {
         let mut values = Halves::of(x);
         values.times(exponents);
-        collected.add::<S, Whole<S>>(simd, rank, &words[at..], AHEAD, x.len(), &values);
+        collected.add::<S, Whole<S>>(simd, rank, &sum.right[at..], AHEAD, x.len(), &values);
         at += rank * words_of(x.len());
     }
-    let mut sums = [0.0; MOST];
-    let sums = &mut sums[..rank];
-    collected.total(simd, sums);
-    let units = &words[head..head + rank];
-    sums.iter_mut().zip(units).for_each(|(sum, &unit)| *sum *= f32::from_bits(unit));
-    let mut given = spread::<S, Whole<S>>(simd, BLOCK / 2, &words[at..], sums);
-    given.times(exponents);
-    (given, at + rank * (BLOCK / 2))
+    let mut totals = [0.0; MOST];
+    sum.total(simd, collected, &mut totals);
+    let mut given = spread::<S, Whole<S>>(simd, BLOCK / 2, sum.left, &totals[..rank]);
+    given.times(sum.rows);
+    (given, product_words(rank, x.len()))
 }
 
 /// What a panel's columns get from a full block of rows, by products; returns how many
@@ -544,21 +577,16 @@ pub fn collect_products<S: Simd>(
     mut y: Halves,
     x: &mut [f32],
 ) -> usize {
-    let head = head_words(x.len());
-    let (exponents, of_columns) = words[1..head].split_at(EXPONENTS);
-    let mut at = head + rank;
-    let right = product_words(rank, x.len()) - rank * (BLOCK / 2);
-    y.times(exponents);
+    let sum = Sum::of(words, rank, x.len());
+    y.times(sum.rows);
     collected.begin::<S>(rank);
-    collected.add::<S, Whole<S>>(simd, rank, &words[right..], AHEAD, BLOCK, &y);
-    let mut sums = [0.0; MOST];
-    let sums = &mut sums[..rank];
-    collected.total(simd, sums);
-    let units = &words[head..head + rank];
-    sums.iter_mut().zip(units).for_each(|(sum, &unit)| *sum *= f32::from_bits(unit));
-    for (x, exponents) in x.chunks_mut(BLOCK).zip(of_columns.chunks_exact(EXPONENTS)) {
+    collected.add::<S, Whole<S>>(simd, rank, sum.left, AHEAD, BLOCK, &y);
+    let mut totals = [0.0; MOST];
+    sum.total(simd, collected, &mut totals);
+    let mut at = 0;
+    for (x, exponents) in x.chunks_mut(BLOCK).zip(sum.columns.chunks_exact(EXPONENTS)) {
         let half = words_of(x.len());
-        let mut given = spread::<S, Whole<S>>(simd, half, &words[at..], sums);
+        let mut given = spread::<S, Whole<S>>(simd, half, &sum.right[at..], &totals[..rank]);
         given.times(exponents);
         given.add_to(x);
         at += rank * half;

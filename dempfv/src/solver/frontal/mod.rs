@@ -12,9 +12,10 @@
 //! single precision loses one digit for each decade of the condition number.
 //!
 //! What solves read of it is rounded to 16 bits an entry, or 8, so that no fluid is lost (see
-//! [`shares`]), and large factors have blocks of it as few [`products`]. A solve with this factor is a correction that gains five digits
-//! where the pressures are smooth. The residual is evaluated in double precision from
-//! differences of pressures, and corrections are repeated until they no longer help.
+//! [`shares`]), and large factors have blocks of it as few [`products`]. A solve with this
+//! factor is a correction that gains five digits where the pressures are smooth. The residual
+//! is evaluated in double precision from differences of pressures, and corrections are
+//! repeated until they no longer help.
 //!
 //! Memory and traffic are a quarter of those of a factor in double precision. The
 //! tree of fronts is worked through on all threads; results are the same bits

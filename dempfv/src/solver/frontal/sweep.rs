@@ -309,7 +309,9 @@ impl pulp::WithSimd for Collect<'_> {
                 let taken = if packed {
                     collected.add_packed(simd, strip.width, words, &values)
                 } else {
-                    collect_over(simd, collected, strip.width, words, y)
+                    let width = strip.width;
+                    collected.add::<S, Roots<S>>(simd, width, words, AHEAD, y.len(), &values);
+                    words_of(y.len()) * width
                 };
                 words = &words[taken..];
             }

@@ -45,7 +45,7 @@ pub fn phases(case: &Case, side: &Side, entry: f64) -> [Work; PHASES.len()] {
         Work {
             bytes: 2.0 * nnz * entry,
             flops: 4.0 * nnz,
-            words: format!("L twice: {:.0} B a pore", 2.0 * nnz * entry / pores),
+            words: format!("L twice: up to {:.0} B a pore", 2.0 * nnz * entry / pores),
         },
         each(pores, gradient, 24.0, "pore"),
     ]
@@ -58,7 +58,7 @@ impl Work {
     }
 }
 
-/// Bytes of an entry of the factor of a solver of ours.
+/// Bytes of an entry of the factor of a solver of ours, at most: parts of large ones take fewer.
 pub fn entry(solver: &str) -> f64 {
     if solver == "frontal" { 2.0 } else { 8.0 }
 }

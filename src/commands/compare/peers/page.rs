@@ -291,8 +291,8 @@ fn linear(results: &Results) -> String {
             let flops = side.flops.unwrap_or(f64::NAN);
             text += &format!(
                 "{}: {:.2e} operations take the machine {} s in double and {} s in single precision \
-                 at least, {:.0} and {:.0} % of what was taken; its factor of {} is read twice in \
-                 {} ms, {:.0} % of a solve.\n\n",
+                 at least, {:.0} and {:.0} % of what was taken; its factor has room for {}: all of \
+                 it would be read twice in {} ms, {:.0} % of a solve.\n\n",
                 side.name,
                 flops,
                 three_digits(flops / limits.double[1]),
