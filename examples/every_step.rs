@@ -14,9 +14,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
-use dempfv::coupling::{Phase, Simulation};
+use dempfv::coupling::Phase;
+use dempfv::coupling::Update;
 use dempfv::io::atomic;
-use dempfv::scene::{Plan, Update};
+use dempfv::scene::Plan;
+use dempfv::simulation::Simulation;
 use plot::{Axis, Mark, SERIES, Series, xy};
 
 /// Steps of each run, and between two looks at the pressures.

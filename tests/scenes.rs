@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use dempfv::WallId;
 use dempfv::scene::*;
+use dempfv::{Axis, WallId};
 
 fn load(name: &str) -> Plan {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);

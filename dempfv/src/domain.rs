@@ -92,6 +92,94 @@ impl FromStr for WallId {
     }
 }
 
+/// One axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl Axis {
+    /// 0, 1 or 2.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// `x`, `y` or `z`.
+    pub const fn name(self) -> &'static str {
+        ["x", "y", "z"][self as usize]
+    }
+
+    /// The axis that a wall is normal to.
+    pub const fn of(wall: WallId) -> Axis {
+        [Axis::X, Axis::Y, Axis::Z][wall.axis()]
+    }
+}
+
+/// One value for each of the six walls, by [`WallId`].
+///
+/// ```
+/// use dempfv::{PerWall, WallId};
+/// let mut pressure = PerWall::from_fn(|_| None);
+/// pressure[WallId::YMax] = Some(0.0);
+/// assert_eq!(pressure.iter().filter(|(_, p)| p.is_some()).count(), 1);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct PerWall<T>(pub [T; 6]);
+
+impl<T> PerWall<T> {
+    /// The value of a function for each wall.
+    pub fn from_fn(value: impl FnMut(WallId) -> T) -> PerWall<T> {
+        PerWall(WallId::ALL.map(value))
+    }
+
+    /// Each wall with its value.
+    pub fn iter(&self) -> impl Iterator<Item = (WallId, &T)> {
+        WallId::ALL.into_iter().zip(&self.0)
+    }
+
+    /// Each wall with its value, to be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (WallId, &mut T)> {
+        WallId::ALL.into_iter().zip(&mut self.0)
+    }
+
+    /// The values, in the order of the walls' indices.
+    pub fn values(&self) -> impl Iterator<Item = &T> {
+        self.0.iter()
+    }
+
+    /// What a function makes of each value.
+    pub fn map<U>(&self, mut f: impl FnMut(&T) -> U) -> PerWall<U> {
+        PerWall(self.0.each_ref().map(|value| f(value)))
+    }
+}
+
+impl<T> std::ops::Index<WallId> for PerWall<T> {
+    type Output = T;
+
+    fn index(&self, wall: WallId) -> &T {
+        &self.0[wall.index()]
+    }
+}
+
+impl<T> std::ops::IndexMut<WallId> for PerWall<T> {
+    fn index_mut(&mut self, wall: WallId) -> &mut T {
+        &mut self.0[wall.index()]
+    }
+}
+
+impl<T> From<[T; 6]> for PerWall<T> {
+    fn from(values: [T; 6]) -> PerWall<T> {
+        PerWall(values)
+    }
+}
+
 /// An axis-aligned box. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aabb {

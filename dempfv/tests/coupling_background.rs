@@ -6,9 +6,9 @@ mod common;
 mod moving;
 
 use common::settled;
+use dempfv::coupling::{Acceleration, RemeshMode, Swap};
 use dempfv::coupling::{Coupled, RemeshRule};
 use dempfv::dem::{Dem, DemOptions, WallControl};
-use dempfv::scene::{Acceleration, RemeshMode, Swap};
 use dempfv::{Vec3, WallId};
 use moving::{DT, bits, course, dem_of, drained, every, mode, moving};
 

@@ -3,7 +3,7 @@
 mod coupling_support;
 
 use coupling_support::{COMPACT, MEASURE, advance_to, finish, scene, start};
-use dempfv::coupling::{Consolidation, Outcome, Simulation};
+use dempfv::simulation::{Consolidation, Outcome, Simulation};
 use dempfv::theory::degree_of_consolidation_drained_top;
 use dempfv::{Vec3, WallId};
 

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use dempfv::scene::{Acceleration, RemeshMode};
+use dempfv::coupling::{Acceleration, RemeshMode};
 use moving::{DT, course, every, mode, moving};
 
 /// Memory and threads are the process's: one test at a time.

@@ -9,12 +9,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
+use dempfv::coupling::{Acceleration, OnFailure, RemeshMode};
 use dempfv::coupling::{
     Coupled, CouplingError, NetworkBuilder, Order, RemeshRule, StandardBuilder,
 };
 use dempfv::dem::{Dem, DemOptions};
 use dempfv::pfv::Flow;
-use dempfv::scene::{Acceleration, OnFailure, RemeshMode};
 use dempfv::solver::SolverError;
 use dempfv::{Error, Result};
 use moving::{DT, bits, course, drained, every, mode, moving};

@@ -6,8 +6,8 @@ mod coupling_support;
 use std::path::PathBuf;
 
 use coupling_support::{COMPACT, MEASURE, advance, finish, plan, scene, start};
-use dempfv::coupling::{Simulation, State};
 use dempfv::io::checkpoint;
+use dempfv::simulation::{Simulation, State};
 
 /// Every kind of stage; the last shears the box with moving walls.
 fn all_stages(remesh: &str) -> String {

@@ -5,12 +5,11 @@ mod coupling_support;
 
 use common::{Random, Spheres, settled, unit_box};
 use coupling_support::{plan, start};
-use dempfv::coupling::{
-    Coupled, RemeshRule, Saturation, Simulation, Stability, State, TimeStepRule,
-};
+use dempfv::coupling::{Coupled, RemeshRule, Saturation, TimeStepRule};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallControl, WallMaterial};
 use dempfv::io::checkpoint;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
+use dempfv::simulation::{Simulation, Stability, State};
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 

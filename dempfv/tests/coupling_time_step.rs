@@ -1,8 +1,9 @@
 //! The automatic time step, and stages that end at a time.
 
-use dempfv::coupling::{Coupled, Simulation};
+use dempfv::coupling::Coupled;
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallMaterial};
 use dempfv::scene::Plan;
+use dempfv::simulation::Simulation;
 use dempfv::{Aabb, Vec3};
 
 /// Two spheres press on each other, a much lighter one touches nothing: the

@@ -6,10 +6,10 @@ mod common;
 use std::collections::HashMap;
 
 use common::{Random, Spheres, cubic, settled};
+use dempfv::coupling::{Acceleration, RemeshMode};
 use dempfv::coupling::{Coupled, RemeshRule, Saturation};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallMaterial};
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
-use dempfv::scene::{Acceleration, RemeshMode};
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 
@@ -51,7 +51,7 @@ fn other_conductances_take_no_second_analysis() {
         let mut again = renewed(old, &s, 2e-3);
         assert!(again.analysis_reused());
         let mut anew = flow(&s, 2e-3);
-        let nothing = anew.course().clone();
+        let nothing = anew.extrapolation().clone();
         again.resume(&nothing);
         anew.resume(&nothing);
         again.solve_static().unwrap();

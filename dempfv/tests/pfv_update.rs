@@ -6,9 +6,9 @@ mod moving;
 use std::collections::HashMap;
 
 use common::{Random, Spheres, cubic, loose, settled};
+use dempfv::coupling::{Acceleration, RemeshMode, Update};
 use dempfv::coupling::{PRESSURE_ERROR, RemeshRule};
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, Network};
-use dempfv::scene::{Acceleration, RemeshMode, Update};
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 use moving::{DT, moving};
@@ -144,7 +144,7 @@ fn exact(flow: &Flow) -> Vec<f64> {
     let mut pressure = vec![0.0; flow.network.pores()];
     for _ in 0..5 {
         operators.pressures(&x, &mut pressure);
-        operators.surplus(&pressure, flow.volume_rate(), &mut r);
+        operators.residual(&pressure, flow.volume_rate(), &mut r);
         factor.solve(&r, &mut c).unwrap();
         x.iter_mut().zip(&c).for_each(|(x, c)| *x += c);
     }

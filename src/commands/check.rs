@@ -3,10 +3,12 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use dempfv::coupling::{Stability, TimeStepBounds};
+use dempfv::coupling::TimeStepBounds;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
-use dempfv::scene::{Estimate, Plan, Specimen, StageKind, TimeStep, Until};
+use dempfv::scene::{Plan, StageKind, TimeStep, Until};
+use dempfv::simulation::Stability;
+use dempfv::simulation::{Estimate, Specimen};
 use dempfv::{Aabb, Error};
 use serde::Serialize;
 

@@ -1,6 +1,7 @@
 //! The parts of a plan in words.
 
 use dempfv::WallId;
+use dempfv::coupling::{Acceleration, RemeshMode, Swap};
 use dempfv::scene::*;
 
 use super::format::{count, si, three_digits};

@@ -1,4 +1,4 @@
-//! Networks built beside the time loop: one thread that takes orders and gives
+//! Remesher built beside the time loop: one thread that takes orders and gives
 //! back whole networks.
 
 use std::any::Any;

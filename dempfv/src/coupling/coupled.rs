@@ -4,17 +4,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::TimeStepBounds;
+use super::active_network::{ActiveNetwork, Motion, Place};
 use super::background::NetworkBuilder;
 use super::gpu_use::GpuUse;
-use super::networks::{Networks, Site};
+use super::options::{Acceleration, RemeshMode, Update};
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
-use super::stability;
-use super::wet::{Motion, Place, Wet};
-use crate::awake::awake;
+use super::remesher::{Remesher, Site};
+use super::viscous_bound;
 use crate::dem::{Dem, DemError, WallControl};
+use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
-use crate::scene::{Acceleration, RemeshMode, Update};
 use crate::solver::SolverKind;
 use crate::{Result, Vec3};
 
@@ -40,7 +40,7 @@ pub struct Coupled {
     /// The mechanics.
     pub dem: Dem,
     saturation: Option<Saturation>,
-    networks: Networks,
+    networks: Remesher,
     /// Points whose pore pressure is of interest (m).
     probes: Vec<Vec3>,
     /// Steps done.
@@ -66,7 +66,7 @@ impl Coupled {
         Coupled {
             dem,
             saturation: None,
-            networks: Networks::new(),
+            networks: Remesher::new(),
             probes: vec![],
             steps: 0,
             largest_residual: 0.0,
@@ -143,7 +143,7 @@ impl Coupled {
         if self.dem.particles().len() < AWAKE || beside {
             self.step_now(dt)
         } else {
-            awake(|| self.step_now(dt))
+            spinning(|| self.step_now(dt))
         }
     }
 
@@ -241,7 +241,7 @@ impl Coupled {
         let Coupled { dem, networks, phases, .. } = self;
         let wet = networks.current.as_ref();
         dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
-        if let Some(Wet { flow, iterations, state, .. }) = wet {
+        if let Some(ActiveNetwork { flow, iterations, state, .. }) = wet {
             if let Some(went) = iterations {
                 self.update_counts.add(*went, state.worn);
             }
@@ -270,7 +270,7 @@ impl Coupled {
             return Ok(false);
         };
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        let Wet { flow, state, .. } = wet;
+        let ActiveNetwork { flow, state, .. } = wet;
         phases.time(Phase::TimeStep, || state.fastest.update(flow, dem, exact))?;
         Ok(true)
     }
@@ -286,16 +286,16 @@ impl Coupled {
     pub fn time_step_bounds(&mut self) -> TimeStepBounds {
         let viscosity = self.saturation.map(|s| s.fluid.viscosity);
         let fastest = self.networks.current.as_ref().map(|wet| &wet.state.fastest);
-        stability::bounds(&mut self.dem, viscosity, fastest)
+        viscous_bound::bounds(&mut self.dem, viscosity, fastest)
     }
 
     /// Books what building a network took.
-    pub(super) fn book_flow(&mut self, times: BuildTimes) {
+    pub(crate) fn book_flow(&mut self, times: BuildTimes) {
         self.phases.book_build(times);
     }
 
     /// Runs dry mechanics and books their time.
-    pub(super) fn time_dry<T>(&mut self, phase: Phase, run: impl FnOnce(&mut Dem) -> T) -> T {
+    pub(crate) fn time_dry<T>(&mut self, phase: Phase, run: impl FnOnce(&mut Dem) -> T) -> T {
         let dem = &mut self.dem;
         self.phases.time(phase, || run(dem))
     }
@@ -370,7 +370,7 @@ impl Coupled {
     }
 
     /// Goes on from the largest residual and imbalance of an earlier session.
-    pub(super) fn remember_worst(&mut self, residual: f64, imbalance: f64) {
+    pub(crate) fn remember_worst(&mut self, residual: f64, imbalance: f64) {
         self.largest_residual = residual;
         self.largest_imbalance = imbalance;
     }
@@ -380,9 +380,9 @@ impl Coupled {
         self.steps
     }
 
-    /// Says how many steps were done before, this object's or others'. Networks
+    /// Says how many steps were done before, this object's or others'. Remesher
     /// in use have counted along.
-    pub(super) fn count_from(&mut self, steps: u64) {
+    pub(crate) fn count_from(&mut self, steps: u64) {
         self.steps = steps;
     }
 

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::stability::FastestMode;
+use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::{BuildTimes, Course, Iterations};
+use crate::pfv::{BuildTimes, Extrapolation, Iterations};
 use crate::{Aabb, Vec3};
 
 /// When the pore network is built anew: whichever comes first.
@@ -53,7 +53,7 @@ pub struct FluidState {
     /// The network cannot follow the spheres any further.
     pub(super) worn: bool,
     /// The pressures that the next solve goes on from.
-    pub(super) course: Course,
+    pub(super) extrapolation: Extrapolation,
     /// What the next network is being built from.
     pub(super) pending: Option<Snapshot>,
     /// What bounds the automatic time step, as far as it is known.
@@ -70,18 +70,18 @@ impl FluidState {
 /// What happened at remeshes, since the simulation began or was restarted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RemeshCounts {
-    /// Networks that came into use.
+    /// Remesher that came into use.
     pub networks: u64,
     /// Orderings and symbolic analyses; the other networks had the pattern of
     /// an earlier one.
     pub analyses: u64,
-    /// Networks that could not be built, where the old one stayed in use.
+    /// Remesher that could not be built, where the old one stayed in use.
     pub failures: u64,
     /// How often the time loop had to wait for the background.
     pub waits: u64,
     /// How long it waited.
     pub waited: Duration,
-    /// Networks that were replaced by another.
+    /// Remesher that were replaced by another.
     pub swaps: u64,
     /// The largest age of a network when it was replaced: steps since the
     /// positions that it was built from.
@@ -119,7 +119,7 @@ pub struct UpdateCounts {
     pub last_error: f64,
     /// The largest estimated error of any step.
     pub largest_error: f64,
-    /// Networks that were worn out before a remesh was due.
+    /// Remesher that were worn out before a remesh was due.
     pub worn_out: u64,
 }
 

@@ -1,9 +1,9 @@
 //! Leapfrog with local damping.
 
-use super::blocks::{BLOCK, Span, cut, cut_mut, for_blocks};
 use super::error::DemError;
 use super::particles::Particles;
 use crate::Vec3;
+use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 
 /// What moves the spheres in a step.
 #[derive(Clone, Copy)]

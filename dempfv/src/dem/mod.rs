@@ -28,7 +28,6 @@
 //! forces across blocks are gathered per particle in a fixed order.
 
 mod batch;
-mod blocks;
 mod cloud;
 mod contacts;
 mod error;

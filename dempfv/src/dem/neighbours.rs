@@ -9,12 +9,12 @@
 
 use rayon::prelude::*;
 
-use super::blocks::{BLOCK, block_count};
 use super::error::DemError;
 use super::grid::Grid;
 use super::particles::Particles;
 use super::state::{DemState, SphereHistory, WallHistory};
 use super::walls::{Wall, box_of};
+use crate::parallel::{BLOCK, block_count};
 use crate::{Vec3, WallId};
 
 /// Share of the skin that must be left for a list to be kept: with less, the

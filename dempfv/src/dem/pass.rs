@@ -2,12 +2,12 @@
 //! sums up within the block; a second one gathers what crosses blocks.
 
 use super::batch::Batch;
-use super::blocks::{BLOCK, Span, cut_mut, for_blocks};
 use super::kernel::{Sliding, V, add_scaled, cross, dot, scaled, shear_force};
 use super::material::Law;
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::pairs::Pairs;
 use super::walls::Wall;
+use crate::parallel::{BLOCK, Span, cut_mut, for_blocks};
 use crate::{Vec3, WallId};
 
 /// Force and torque on the second sphere of a pair that crosses blocks.

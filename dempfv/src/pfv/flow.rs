@@ -1,12 +1,13 @@
 //! The flow through one network: operators, factor and the current pressures.
 
 use super::build::{self, Assembled, BuildTimes, Spare};
-use super::carry::Carried;
-use super::course::{Course, Sizes};
-use super::follow::Follower;
+use super::extrapolation::{Extrapolation, Sizes};
+use super::geometry_update::Follower;
 use super::iterate::Gradients;
-use super::operators::{Growth, SERIAL, parts};
+use super::operators::NetVolumeRate;
+use super::transfer::TransferSource;
 use super::{Fluid, Network, Operators, PfvError};
+use crate::parallel::{SERIAL, parts};
 use crate::solver::{Factor, Placement, SolverKind};
 use crate::{Aabb, Result, Vec3, WallId};
 
@@ -50,7 +51,7 @@ pub struct Flow {
     pub(super) follower: Option<Box<Follower>>,
     pub(super) gradients: Box<Gradients>,
     pub(super) rhs: Vec<f64>,
-    pub(super) course: Course,
+    pub(super) extrapolation: Extrapolation,
     pub(super) correction: Vec<f64>,
     pub(super) pressure: Vec<f64>,
     pub(super) volume_rate: Vec<f64>,
@@ -143,7 +144,7 @@ impl Flow {
             follower: None,
             gradients: Box::default(),
             rhs: vec![0.0; unknowns],
-            course: Course::at_rest(unknowns),
+            extrapolation: Extrapolation::at_rest(unknowns),
             correction: vec![0.0; unknowns],
             pressure,
             volume_rate: vec![0.0; pores],
@@ -156,23 +157,23 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(mut self) -> (Carried, Option<Spare>) {
+    pub fn retire(mut self) -> (TransferSource, Option<Spare>) {
         if let Some(follower) = self.follower.take() {
             // After a restart, these are all that is known.
             self.network.center = follower.built_center();
         }
         let places = build::places(&self.network, &self.operators);
         let (around, matrix) = self.operators.retire();
-        let carried = Carried::new(self.network, around, self.pressure);
+        let carried = TransferSource::new(self.network, around, self.pressure);
         (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix, places)))
     }
 
     /// Takes the pressures of the network that this one replaces: as the
     /// starting point of the next solve.
-    pub fn carry_over(&mut self, from: &Carried) {
-        self.course.begin();
-        from.write(&self.network, &self.operators, &mut self.course.now);
-        self.operators.pressures(&self.course.now, &mut self.pressure);
+    pub fn carry_over(&mut self, from: &TransferSource) {
+        self.extrapolation.begin();
+        from.write(&self.network, &self.operators, &mut self.extrapolation.now);
+        self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
     }
 
     /// True when both have a matrix of the same pattern.
@@ -238,25 +239,25 @@ impl Flow {
     }
 
     fn solve_pressure(&mut self) -> Result<()> {
-        self.course.predict(&self.operators.pore_of, &mut self.pressure);
-        let growth = Growth::of(&self.volume_rate);
-        let check = self.course.gain_is_due();
+        self.extrapolation.predict(&self.operators.pore_of, &mut self.pressure);
+        let growth = NetVolumeRate::of(&self.volume_rate);
+        let check = self.extrapolation.gain_is_due();
         let (mut last, mut largest) = (0.0, 0.0);
         for k in 0..=REFINEMENTS {
             let Sizes { change, pressure } = self.correct_pressure()?;
             largest = pressure;
             self.imbalance = growth.imbalance(&self.flux());
             if k == 1 {
-                self.course.gained(change, last);
+                self.extrapolation.gained(change, last);
             }
             last = change;
-            let error = self.course.gain() * change;
+            let error = self.extrapolation.gain() * change;
             let small = error <= self.tolerance * largest;
             if self.imbalance <= self.tolerance && small && (k > 0 || !check) {
                 break;
             }
         }
-        self.course.solved();
+        self.extrapolation.solved();
         // With nothing unknown, nothing has been looked at.
         if self.factor.is_some() && largest.is_finite() { Ok(()) } else { self.check_pressure() }
     }
@@ -284,29 +285,29 @@ impl Flow {
 
     /// One solve for the change of the pressures.
     fn correct_pressure(&mut self) -> Result<Sizes> {
-        let Flow { operators, course, correction, pressure, volume_rate, rhs, .. } = self;
+        let Flow { operators, extrapolation, correction, pressure, volume_rate, rhs, .. } = self;
         let Some(factor) = &mut self.factor else { return Ok(Sizes::default()) };
-        operators.surplus(pressure, volume_rate, rhs);
+        operators.residual(pressure, volume_rate, rhs);
         if self.residual.is_none() {
             self.residual = Some(factor.correct_checked(&operators.matrix, rhs, correction)?);
         } else {
             factor.correct(rhs, correction)?;
         }
-        Ok(course.correct(correction, &operators.pore_of, pressure))
+        Ok(extrapolation.correct(correction, &operators.pore_of, pressure))
     }
 
     /// The pressures that the next solve goes on from.
-    pub fn course(&self) -> &Course {
-        &self.course
+    pub fn extrapolation(&self) -> &Extrapolation {
+        &self.extrapolation
     }
 
     /// Goes on from the pressures of an earlier flow through the same network,
     /// so that the next solve has the same bits. Pressures of another number of
     /// pores are ignored.
-    pub fn resume(&mut self, course: &Course) {
-        if course.unknowns() == self.course.unknowns() {
-            self.course.clone_from(course);
-            self.operators.pressures(&self.course.now, &mut self.pressure);
+    pub fn resume(&mut self, extrapolation: &Extrapolation) {
+        if extrapolation.unknowns() == self.extrapolation.unknowns() {
+            self.extrapolation.clone_from(extrapolation);
+            self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
             self.update_force();
         }
     }

@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::follow::Weakened;
-use super::operators::{SERIAL, TASK, for_each};
+use super::geometry_update::Weakened;
 use super::{Boundary, Flow, Operators};
 use crate::Result;
+use crate::parallel::{SERIAL, TASK, for_each};
 
 /// Most applications of the factor in a solve.
 const MOST: u32 = 48;
@@ -59,23 +59,23 @@ impl Flow {
     /// When an application fails, or a pressure is not finite.
     pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations> {
         let went = self.improve(tolerance)?;
-        self.course.solved();
-        self.operators.pressures(&self.course.now, &mut self.pressure);
+        self.extrapolation.solved();
+        self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
         self.imbalance = self.operators.imbalance(&self.pressure, &self.volume_rate);
         self.check_pressure()?;
         Ok(went)
     }
 
     fn improve(&mut self, tolerance: f64) -> Result<Iterations> {
-        let Flow { operators, course, correction, pressure, rhs, .. } = self;
+        let Flow { operators, extrapolation, correction, pressure, rhs, .. } = self;
         let mut went = Iterations::default();
         let Some(factor) = &mut self.factor else { return Ok(went) };
         let weakened = self.follower.as_ref().map_or(&[][..], |f| f.weakened());
         let gradients = &mut *self.gradients;
-        course.predict(&operators.pore_of, pressure);
-        let solution = &mut course.now;
+        extrapolation.predict(&operators.pore_of, pressure);
+        let solution = &mut extrapolation.now;
         gradients.fit(solution.len(), pressure.len());
-        operators.surplus(pressure, &self.volume_rate, rhs);
+        operators.residual(pressure, &self.volume_rate, rhs);
         let (level, round_off) = datum(&operators.boundary, solution.len());
         let (mut last, mut alpha, mut fall) = (0.0, 0.0, 0.0);
         loop {

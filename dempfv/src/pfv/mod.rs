@@ -11,14 +11,15 @@
 
 mod angle;
 mod build;
-mod carry;
 mod clamp;
-mod course;
 mod error;
+mod extrapolation;
 mod flow;
 mod fluid;
-mod follow;
+mod geometry_update;
+mod transfer;
 
+mod boundary_flux;
 mod frame;
 mod iterate;
 mod krylov;
@@ -26,7 +27,6 @@ mod lanes;
 mod locate;
 mod network;
 mod operators;
-mod outlets;
 mod polyhedra;
 mod pore;
 mod pore_batch;
@@ -37,14 +37,14 @@ mod throat_batch;
 mod viscous;
 
 pub use build::{Analyzed, Assembled, BuildTimes, Spare};
-pub use carry::Carried;
 pub use clamp::Clamp;
-pub use course::Course;
 pub use error::{PfvError, PoreVertex, PoreVertices};
+pub use extrapolation::Extrapolation;
 pub use flow::{Flow, Permeability};
 pub use fluid::{Boundary, Fluid};
-pub use follow::Wear;
+pub use geometry_update::Wear;
 pub use iterate::Iterations;
+pub use transfer::TransferSource;
 
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
-use super::operators::{TASK, runs};
 use super::pore::Pore;
 use super::pore_batch::PoreBatch;
 use super::throat::{Throat, WallFriction, throat};
 use super::throat_batch::ThroatBatch;
 use super::{Fluid, NONE, PfvError, Tessellation};
+use crate::parallel::{TASK, runs};
 use crate::{Aabb, Vec3};
 
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);

@@ -3,17 +3,14 @@
 
 use rayon::prelude::*;
 
-use super::outlets::Outlets;
+use super::boundary_flux::BoundaryFlux;
 use super::{Boundary, Derivatives, NONE, Network, PfvError, Tessellation};
-use crate::fetch::fetch;
+use crate::parallel::{TASK, for_each, in_tasks, parts, prefetch, runs};
 use crate::solver::SymmetricCsc;
 use crate::{Vec3, WallId};
 
-/// Below this many pores one thread is faster than handing work over.
-pub(super) const SERIAL: usize = 16_384;
-/// Pores that one task takes.
-pub(super) const TASK: usize = 4_096;
-/// The same for rows of forces: a sphere is a vertex of 24 pores or so.
+/// For rows of forces [`SERIAL`](crate::parallel::SERIAL) and [`TASK`]: a sphere is a vertex of
+/// 24 pores or so.
 const FEW_SPHERES: usize = 2_048;
 const SPHERES: usize = 256;
 
@@ -32,8 +29,8 @@ pub struct Operators {
     /// Wall that imposes a pore's pressure, by its index; 6 for none.
     imposed_by: Vec<u8>,
     /// For each unknown what its pore is joined to.
-    joints: Vec<Joints>,
-    pub(super) outlets: Outlets,
+    stencil: Vec<Stencil>,
+    pub(super) boundary_flux: BoundaryFlux,
     pub(super) boundary: Boundary,
     pub(super) volume: VolumeRate,
     pub(super) forces: Forces,
@@ -42,17 +39,17 @@ pub struct Operators {
 /// What all pores together swallow (m³/s): the sum of their volume rates, and that of
 /// the sizes of these.
 #[derive(Clone, Copy)]
-pub(super) struct Growth {
+pub(super) struct NetVolumeRate {
     sum: f64,
     moved: f64,
 }
 
-impl Growth {
-    pub fn of(volume_rate: &[f64]) -> Growth {
+impl NetVolumeRate {
+    pub fn of(volume_rate: &[f64]) -> NetVolumeRate {
         let sums = |part: &[f64]| part.iter().fold((0.0, 0.0), |(g, m), v| (g + v, m + v.abs()));
         let (sum, moved): (f64, f64) =
             parts(volume_rate, sums, (0.0, 0.0), |(g, m), (v, w)| (g + v, m + w));
-        Growth { sum, moved }
+        NetVolumeRate { sum, moved }
     }
 
     /// See [`Operators::imbalance`], for the flux through each wall.
@@ -66,13 +63,13 @@ impl Growth {
 /// A pore's throats: the pores beyond, and the conductances (m³/(Pa·s)). Where there is
 /// none, the pore itself and zero.
 #[derive(Clone, Copy, Debug)]
-struct Joints {
+struct Stencil {
     pore: [u32; 4],
     conductance: [f64; 4],
 }
 
-impl Joints {
-    fn of(network: &Network, pore: u32) -> Joints {
+impl Stencil {
+    fn of(network: &Network, pore: u32) -> Stencil {
         let mut around = network.tessellation.neighbors[pore as usize];
         let mut conductance = network.conductances_of(pore as usize);
         for (j, g) in around.iter_mut().zip(&mut conductance) {
@@ -80,7 +77,7 @@ impl Joints {
                 (*j, *g) = (pore, 0.0);
             }
         }
-        Joints { pore: around, conductance }
+        Stencil { pore: around, conductance }
     }
 }
 
@@ -143,15 +140,15 @@ impl Operators {
             }
         }
         // The first part is serial: the others keep the other threads busy.
-        let (reach, (matrix, (outlets, (forces, joints)))) = rayon::join(
+        let (reach, (matrix, (boundary_flux, (forces, stencil)))) = rayon::join(
             || check_reach(network, &imposed_by),
             || {
                 let assemble = || assemble(network, &unknown_of, &pore_of);
-                let outlets = || Outlets::new(network, &imposed_by);
+                let boundary_flux = || BoundaryFlux::new(network, &imposed_by);
                 let forces = || Forces::new(&network.tessellation, &derivatives.push);
-                let joints = || pore_of.par_iter().map(|&i| Joints::of(network, i)).collect();
-                let last = || rayon::join(forces, joints);
-                rayon::join(assemble, || rayon::join(outlets, last))
+                let stencil = || pore_of.par_iter().map(|&i| Stencil::of(network, i)).collect();
+                let last = || rayon::join(forces, stencil);
+                rayon::join(assemble, || rayon::join(boundary_flux, last))
             },
         );
         reach?;
@@ -159,9 +156,9 @@ impl Operators {
             matrix,
             pore_of,
             unknown_of,
-            outlets,
+            boundary_flux,
             imposed_by,
-            joints,
+            stencil,
             boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
@@ -191,7 +188,7 @@ impl Operators {
     pub fn volume_rate(&self, velocity: &[Vec3], wall_velocity: &[f64; 6], out: &mut [f64]) {
         let spheres = velocity.len();
         let rate = |i: usize| {
-            fetch(&self.volume.gradient[i], AHEAD / 4);
+            prefetch(&self.volume.gradient[i], AHEAD / 4);
             let mut sum = 0.0;
             for (&v, g) in self.volume.vertices[i].iter().zip(&self.volume.gradient[i]) {
                 sum += match velocity.get(v as usize) {
@@ -229,7 +226,7 @@ impl Operators {
 
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
-        self.outlets.flux(pressure, volume_rate)
+        self.boundary_flux.flux(pressure, volume_rate)
     }
 
     /// What enters through the walls less what the pores swallow, over the
@@ -237,31 +234,31 @@ impl Operators {
     /// or the sum of the volume rates. Where the rates nearly cancel, a
     /// hundredth of their sum without signs counts. Zero when nothing flows.
     pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
-        Growth::of(volume_rate).imbalance(&self.flux(pressure, volume_rate))
+        NetVolumeRate::of(volume_rate).imbalance(&self.flux(pressure, volume_rate))
     }
 
     /// What each free pore gains through its throats less what it swallows
     /// (m³/s), throat by throat: the difference of pressures comes first, so
     /// that a wide throat between pores of nearly one pressure does not drown
     /// the narrow ones, as it does in the rows of the assembled matrix.
-    pub fn surplus(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
-        for_each(out, &|u, surplus| {
+    pub fn residual(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
+        for_each(out, &|u, residual| {
             let i = self.pore_of[u] as usize;
-            let Joints { pore, conductance } = self.joints_of(u);
+            let Stencil { pore, conductance } = self.stencil_of(u);
             let here = pressure[i];
             let mut sum = -volume_rate[i];
             for (&j, g) in pore.iter().zip(conductance) {
                 sum += g * (pressure[j as usize] - here);
             }
-            *surplus = sum;
+            *residual = sum;
         });
     }
 
-    /// `G d` throat by throat (see [`Operators::surplus`]), for `d` spread over
+    /// `G d` throat by throat (see [`Operators::residual`]), for `d` spread over
     /// all pores.
     pub(super) fn conduct(&self, spread: &[f64], out: &mut [f64]) {
         for_each(out, &|u, product| {
-            let Joints { pore, conductance } = self.joints_of(u);
+            let Stencil { pore, conductance } = self.stencil_of(u);
             let here = spread[self.pore_of[u] as usize];
             let mut sum = 0.0;
             for (&j, g) in pore.iter().zip(conductance) {
@@ -272,16 +269,16 @@ impl Operators {
     }
 
     #[inline(always)]
-    fn joints_of(&self, u: usize) -> &Joints {
-        let joints = &self.joints[u];
-        fetch(std::slice::from_ref(joints), AHEAD / 2);
-        joints
+    fn stencil_of(&self, u: usize) -> &Stencil {
+        let stencil = &self.stencil[u];
+        prefetch(std::slice::from_ref(stencil), AHEAD / 2);
+        stencil
     }
 
     /// Takes over conductances that have changed.
-    pub(super) fn join_anew(&mut self, network: &Network) {
+    pub(super) fn update_stencils(&mut self, network: &Network) {
         let pore_of = &self.pore_of;
-        for_each(&mut self.joints, &|u, joints| *joints = Joints::of(network, pore_of[u]));
+        for_each(&mut self.stencil, &|u, stencil| *stencil = Stencil::of(network, pore_of[u]));
     }
 }
 
@@ -313,98 +310,13 @@ impl Forces {
 
     fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
         let push = &self.push[self.pores.range(row)];
-        fetch(push, AHEAD);
+        prefetch(push, AHEAD);
         self.pores
             .of(row)
             .iter()
             .zip(push)
             .fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
     }
-}
-
-/// Calls a function for each entry of an array, on several threads if the
-/// array is long enough to pay for it.
-pub(super) fn for_each<T: Send>(out: &mut [T], set: &(impl Fn(usize, &mut T) + Sync)) {
-    in_tasks(out, SERIAL, TASK, set);
-}
-
-/// [`for_each`] in tasks of so many entries, on one thread if there are fewer than `serial`.
-fn in_tasks<T: Send>(
-    out: &mut [T],
-    serial: usize,
-    task: usize,
-    set: &(impl Fn(usize, &mut T) + Sync),
-) {
-    if out.len() < serial {
-        out.iter_mut().enumerate().for_each(|(i, v)| set(i, v));
-    } else {
-        out.par_chunks_mut(task).enumerate().for_each(|(k, chunk)| {
-            let first = k * task;
-            chunk.iter_mut().enumerate().for_each(|(k, v)| set(first + k, v));
-        });
-    }
-}
-
-/// Works through vectors over the unknowns and the pressures of all pores part by part,
-/// each with the pores of its unknowns; the first pressure of a part is that of its first
-/// unknown's pore. Returns what comes of the parts, joined.
-pub(super) fn with_pores<const K: usize, T: Send>(
-    pore_of: &[u32],
-    vectors: [&mut [f64]; K],
-    pressure: &mut [f64],
-    work: &(impl Fn([&mut [f64]; K], &[u32], &mut [f64]) -> T + Sync),
-    join: &(impl Fn(T, T) -> T + Sync),
-) -> T {
-    let first = pore_of.first().map_or(0, |&pore| pore as usize);
-    let pressure = &mut pressure[first..];
-    if pore_of.len() < SERIAL {
-        work(vectors, pore_of, pressure)
-    } else {
-        halves(pore_of, vectors, pressure, work, join)
-    }
-}
-
-fn halves<const K: usize, T: Send>(
-    pore_of: &[u32],
-    vectors: [&mut [f64]; K],
-    pressure: &mut [f64],
-    work: &(impl Fn([&mut [f64]; K], &[u32], &mut [f64]) -> T + Sync),
-    join: &(impl Fn(T, T) -> T + Sync),
-) -> T {
-    if pore_of.len() <= TASK {
-        return work(vectors, pore_of, pressure);
-    }
-    let middle = pore_of.len() / 2;
-    let (left, right) = pore_of.split_at(middle);
-    let (before, after) = pressure.split_at_mut((right[0] - left[0]) as usize);
-    let mut both = vectors.map(|vector| vector.split_at_mut(middle));
-    let lower = both.each_mut().map(|both| std::mem::take(&mut both.0));
-    let upper = both.map(|both| both.1);
-    let (a, b) = rayon::join(
-        || halves(left, lower, before, work, join),
-        || halves(right, upper, after, work, join),
-    );
-    join(a, b)
-}
-
-/// Takes a vector part by part and joins what comes of the parts, in their order: the
-/// same for any number of threads.
-pub(super) fn parts<T: Copy + Send + Sync>(
-    x: &[f64],
-    one: impl Fn(&[f64]) -> T + Sync,
-    none: T,
-    join: impl Fn(T, T) -> T,
-) -> T {
-    const PARTS: usize = 64;
-    let size = x.len().div_ceil(PARTS).max(1);
-    let mut found = [none; PARTS];
-    if x.len() < SERIAL {
-        found.iter_mut().zip(x.chunks(size)).for_each(|(found, part)| *found = one(part));
-    } else {
-        let each = found.par_iter_mut().zip(x.par_chunks(size));
-        each.with_min_len(4).for_each(|(found, part)| *found = one(part));
-    }
-    found.into_iter().fold(none, join)
 }
 
 /// The wall that imposes a cell's pressure; of several the last, as in YADE.
@@ -473,23 +385,6 @@ fn assemble(network: &Network, unknown_of: &[u32], pore_of: &[u32]) -> Symmetric
     SymmetricCsc { n: unknowns, col_ptr, row_idx, values }
 }
 
-/// Cuts what belongs to rows, which start where `start` says, into what
-/// belongs to each [`TASK`] of them.
-pub(super) fn runs<T>(
-    mut rest: &mut [T],
-    rows: usize,
-    start: impl Fn(usize) -> usize,
-) -> Vec<&mut [T]> {
-    let mut runs = Vec::with_capacity(rows / TASK + 1);
-    for first in (0..rows).step_by(TASK) {
-        let end = start(rows.min(first + TASK));
-        let (run, after) = rest.split_at_mut(end - start(first));
-        runs.push(run);
-        rest = after;
-    }
-    runs
-}
-
 /// How many entries of a column lie below the diagonal.
 fn below(network: &Network, unknown_of: &[u32], pore_of: &[u32], u: usize) -> i64 {
     let around = network.tessellation.neighbors[pore_of[u] as usize];
@@ -521,31 +416,5 @@ impl Column {
         }
         column.below[..column.count].sort_unstable_by_key(|(row, _)| *row);
         column
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Each entry is set once and by its own number, on one thread or in tasks, the last of
-    /// which may be short.
-    #[test]
-    fn tasks_know_their_entries() {
-        for n in [0, 1, 99, 100, 128, 1000] {
-            let mut out = vec![0; n];
-            in_tasks(&mut out, 100, 64, &|i, v| *v += 1 + i);
-            assert!(out.iter().enumerate().all(|(i, &v)| v == 1 + i), "{n}");
-        }
-    }
-
-    /// Every number counts once, few or many: 0 + 1 + … + (n − 1) = n (n − 1) / 2, exactly.
-    #[test]
-    fn parts_are_the_whole() {
-        for n in [0, 1, 63, 64, 65, SERIAL - 1, SERIAL, SERIAL + 77] {
-            let x: Vec<f64> = (0..n).map(|k| k as f64).collect();
-            let sum = parts(&x, |part| part.iter().sum(), 0.0, |a: f64, b| a + b);
-            assert_eq!(sum, (n * n.saturating_sub(1) / 2) as f64);
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! Which effects a plan simulates, by name.
 
-use super::acceleration::{RemeshMode, Update};
 use super::plan::*;
+use crate::coupling::{RemeshMode, Update};
 use crate::pfv::Clamp;
 
 impl Plan {

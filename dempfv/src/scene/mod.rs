@@ -3,9 +3,7 @@
 //! This is the only room that reads scene files. A [`Plan`] is plain data; it knows
 //! neither particles nor pores.
 
-mod acceleration;
 mod effects;
-mod estimate;
 mod keys;
 mod nearest;
 mod packing_check;
@@ -14,12 +12,10 @@ mod plan;
 mod rules;
 mod table;
 
-pub use acceleration::{Acceleration, OnFailure, RemeshMode, Swap, Update};
-pub use estimate::{Estimate, Specimen};
 pub use keys::known_keys;
 pub use packing_check::{load_packing, validate_packing};
 pub use plan::{
-    Axis, Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
+    Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
     Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until, WallControl,
     Walls,
 };

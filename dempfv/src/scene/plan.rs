@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::acceleration::Acceleration;
-use crate::domain::{Aabb, Vec3, WallId};
+use crate::coupling::Acceleration;
+use crate::domain::{Aabb, Axis, Vec3, WallId};
 use crate::pfv::Clamp;
 use crate::solver::SolverKind;
 
@@ -194,35 +194,6 @@ impl Fluid {
     /// Walls with an imposed pressure, in the order of their indices.
     pub fn pressure_walls(&self) -> impl Iterator<Item = (WallId, f64)> + '_ {
         WallId::ALL.into_iter().filter_map(|w| Some((w, self.pressure[w.index()]?)))
-    }
-}
-
-/// One axis of space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// x
-    X,
-    /// y
-    Y,
-    /// z
-    Z,
-}
-
-impl Axis {
-    /// 0, 1 or 2.
-    pub const fn index(self) -> usize {
-        self as usize
-    }
-
-    /// `x`, `y` or `z`.
-    pub const fn name(self) -> &'static str {
-        ["x", "y", "z"][self as usize]
-    }
-
-    /// The axis that a wall is normal to.
-    pub const fn of(wall: WallId) -> Axis {
-        [Axis::X, Axis::Y, Axis::Z][wall.axis()]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::plan::*;
 use super::table::Table;
-use crate::domain::WallId;
+use crate::domain::{Axis, WallId};
 use crate::error::InputError;
 
 type Result = std::result::Result<(), InputError>;

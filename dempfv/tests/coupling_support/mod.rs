@@ -1,8 +1,8 @@
 //! Scenes that several tests of the coupling start from.
 #![allow(dead_code, reason = "every test file uses some of these")]
 
-use dempfv::coupling::Simulation;
 use dempfv::scene::Plan;
+use dempfv::simulation::Simulation;
 
 /// A cloud in a box of 1 m, stiff enough to settle in some thousand steps:
 /// the shipped oedometer with fewer spheres. `fluid` are further lines of its

@@ -2,10 +2,10 @@
 //! the one before.
 #![allow(dead_code, reason = "every test file uses some of these")]
 
+use dempfv::coupling::{Acceleration, RemeshMode};
 use dempfv::coupling::{Coupled, RemeshRule, Saturation};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallControl, WallMaterial};
 use dempfv::pfv::{Boundary, Clamp, Fluid};
-use dempfv::scene::{Acceleration, RemeshMode};
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 

@@ -6,10 +6,10 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use dempfv::coupling::{Compaction, Outcome, Simulation};
 use dempfv::dem::Dem;
 use dempfv::io::packing;
 use dempfv::scene::{Plan, StageKind};
+use dempfv::simulation::{Compaction, Outcome, Simulation};
 use dempfv::{Error, InputError};
 use serde::Serialize;
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use dempfv::coupling::Compaction;
 use dempfv::dem::{
     Dem, DemOptions, GrowthCompaction, GrowthOptions, Material, Particles, WallMaterial,
 };
 use dempfv::io::packing::{self, Packing};
 use dempfv::scene::load_packing;
+use dempfv::simulation::Compaction;
 use dempfv::{Aabb, Error};
 
 use super::{Args, FILE, Report, check_options, make_folder, write_spheres};

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use dempfv::coupling::initial_packing;
 use dempfv::pfv::{Boundary, Derivatives, Fluid, Network, Operators};
 use dempfv::scene::Plan;
+use dempfv::simulation::initial_packing;
 use dempfv::{Aabb, InputError, Vec3};
 use serde::{Deserialize, Serialize};
 

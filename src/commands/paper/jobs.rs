@@ -3,7 +3,8 @@
 use std::io::{IsTerminal, Write};
 use std::time::Instant;
 
-use dempfv::scene::{self, Estimate, Plan};
+use dempfv::scene::Plan;
+use dempfv::simulation::Estimate;
 
 use super::figures::Figure;
 use super::machine::Machine;
@@ -236,8 +237,10 @@ struct Expected {
 
 fn expected(specimen: &Specimen, mode: Mode) -> Result<Expected, Error> {
     let plan = Plan::from_toml(&timing::scene(&specimen.base()?, specimen, mode), None)?;
-    let spheres =
-        scene::Specimen { spheres: specimen.spheres as usize, ..scene::Specimen::default() };
+    let spheres = dempfv::simulation::Specimen {
+        spheres: specimen.spheres as usize,
+        ..dempfv::simulation::Specimen::default()
+    };
     let e = Estimate::of(&plan, &spheres);
     let remesh = e.remesh.unwrap_or(0.0);
     // The estimate has the remeshes' share of a step in it, but for those in the background.

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use dempfv::Vec3;
-use dempfv::coupling::{Coupled, Simulation};
+use dempfv::coupling::Coupled;
 use dempfv::scene::Plan;
+use dempfv::simulation::Simulation;
 use serde::{Deserialize, Serialize};
 
 use super::specimens::{SPECIMENS, Specimen};

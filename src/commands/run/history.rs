@@ -1,8 +1,9 @@
 //! The columns of `history.csv`.
 
 use dempfv::WallId;
-use dempfv::coupling::{Simulation, TimeStepBounds};
+use dempfv::coupling::TimeStepBounds;
 use dempfv::io::history::Value;
+use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
 /// per-wall quantities, then one for each of the `probes`.

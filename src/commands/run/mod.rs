@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use dempfv::coupling::{Simulation, State};
 use dempfv::dem::DemError;
 use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
+use dempfv::simulation::{Simulation, State};
 use dempfv::{Error, Result};
 
 use self::recorder::Recorder;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use dempfv::Result;
-use dempfv::coupling::{
-    Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
-};
 use dempfv::io::atomic;
 use dempfv::scene::{StageKind, Until};
+use dempfv::simulation::{
+    Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
+};
 use dempfv::theory::degree_of_consolidation;
 
 use crate::commands::format::{si, three_digits};

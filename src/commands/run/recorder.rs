@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use dempfv::coupling::Simulation;
 use dempfv::io::checkpoint;
 use dempfv::io::history::History;
 use dempfv::io::vtk::{self, Collection, SphereFrame};
+use dempfv::simulation::Simulation;
 use dempfv::{Result, Vec3};
 
 use super::history;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use dempfv::coupling::{Coupled, UpdateCounts};
-use dempfv::scene::{RemeshMode, Update};
+use dempfv::coupling::{RemeshMode, Update};
 use serde::Serialize;
 
 use crate::commands::format::count;

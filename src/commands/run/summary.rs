@@ -5,7 +5,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use dempfv::coupling::{Consolidation, Coupled, GpuUse, Outcome, Simulation, StageOutcome};
+use dempfv::coupling::{Coupled, GpuUse};
+use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
 use serde::{Serialize, Serializer};
 

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::stages;
+use crate::coupling::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::error::InputError;
 use crate::pfv::Clamp;
-use crate::scene::acceleration::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use crate::scene::keys;
 use crate::scene::packing_check::probe_outside;
 use crate::scene::plan::*;

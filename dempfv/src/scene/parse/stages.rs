@@ -1,6 +1,6 @@
 //! The stages of a scene.
 
-use crate::domain::WallId;
+use crate::domain::{Axis, WallId};
 use crate::error::InputError;
 use crate::scene::keys;
 use crate::scene::plan::*;

@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::pivot::STRIP;
 use super::products::{EXPONENTS, MOST, ZERO, head_words, power_of, product_words};
 use super::shares::{BLOCK, OFFSET, ONES, QUARTER, SCALE, head, step_of, words as words_of};
-use crate::fetch::fetch;
+use crate::parallel::prefetch;
 
 /// Lanes of the widest vectors.
 const WIDEST: usize = 16;
@@ -255,7 +255,7 @@ fn step<S: Simd, D: Decode<S>, const N: usize>(
     x: f32,
     (low, high): &mut ([S::f32s; N], [S::f32s; N]),
 ) {
-    fetch(words, AHEAD);
+    prefetch(words, AHEAD);
     let (column, _) = S::as_simd_u32s(words);
     let x = simd.splat_f32s(x);
     for k in 0..N {
@@ -366,7 +366,7 @@ impl<'a> Quarters<'a> {
     #[inline(always)]
     fn of(words: &'a [u32], from: usize) -> Quarters<'a> {
         if from == 0 {
-            fetch(words, AHEAD);
+            prefetch(words, AHEAD);
         }
         Quarters(words)
     }
@@ -391,7 +391,7 @@ fn collect<S: Simd, D: Decode<S>, const N: usize>(
     (low, high): &([S::f32s; N], [S::f32s; N]),
     sum: &mut S::f32s,
 ) {
-    fetch(words, ahead);
+    prefetch(words, ahead);
     let (words, _) = S::as_simd_u32s(words);
     let mut other = simd.splat_f32s(0.0);
     for k in 0..N {
@@ -670,7 +670,7 @@ fn turn_step<S: Simd, const BACK: bool, const N: usize>(
     sums: &mut [S::f32s; N],
 ) {
     let lanes = N * S::F32_LANES;
-    fetch(column, if BACK { -AHEAD_IN_TRIANGLES } else { AHEAD_IN_TRIANGLES });
+    prefetch(column, if BACK { -AHEAD_IN_TRIANGLES } else { AHEAD_IN_TRIANGLES });
     // Rows 0 to k on the way back, k and later ones on the way forward.
     let bits = if BACK { &UP_TO[window - 1..] } else { &FROM[window..] };
     let (bits, _) = S::as_simd_u32s(&bits[..lanes]);

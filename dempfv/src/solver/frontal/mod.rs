@@ -43,8 +43,7 @@ use super::{
     Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
     ordering, require_size,
 };
-use crate::pages;
-use crate::size::largest;
+use crate::parallel::{advise_huge_pages, max_norm};
 use apply::Solve;
 use numeric::{Entries, Factorization, Stopped};
 use plan::Plan;
@@ -135,8 +134,8 @@ impl Symbolic for Analyzed {
             factors: vec![0.0; n],
             inverse: vec![0.0; n],
         };
-        pages::in_large_pages(&entries.words);
-        pages::in_large_pages(&entries.triangles);
+        advise_huge_pages(&entries.words);
+        advise_huge_pages(&entries.triangles);
         let mut factor = FrontalFactor {
             vectors: vec![0.0; self.plan.vectors],
             residual: vec![0.0; n],
@@ -226,8 +225,8 @@ impl FrontalFactor {
     /// Size of a right-hand side.
     fn size_of(&self, b: &[f64]) -> Result<f64, SolverError> {
         let size = match self.analyzed.plan.is_shared {
-            true => b.par_chunks(CHUNK).map(largest).reduce(|| 0.0, |a, b| largest(&[a, b])),
-            false => largest(b),
+            true => b.par_chunks(CHUNK).map(max_norm).reduce(|| 0.0, |a, b| max_norm(&[a, b])),
+            false => max_norm(b),
         };
         if size.is_finite() {
             return Ok(size);
@@ -250,12 +249,12 @@ impl Factor for FrontalFactor {
         self.apply(b, size, x);
         let mut residual = std::mem::take(&mut self.residual);
         let mut correction = std::mem::take(&mut self.correction);
-        let (mut last, mut stalled) = (largest(x), 0);
+        let (mut last, mut stalled) = (max_norm(x), 0);
         for _ in 0..CORRECTIONS {
             self.system.residual(b, x, &mut residual);
-            let size = largest(&residual);
+            let size = max_norm(&residual);
             self.apply(&residual, size, &mut correction);
-            let size = largest(&correction);
+            let size = max_norm(&correction);
             // One that does not shrink may have been behind the noise of the
             // one before; two are round-off.
             stalled = if size > 0.5 * last { stalled + 1 } else { 0 };
@@ -264,7 +263,7 @@ impl Factor for FrontalFactor {
             }
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
             // The next one would shrink as this one has.
-            if size * (size / last) <= SETTLED * largest(x) {
+            if size * (size / last) <= SETTLED * max_norm(x) {
                 break;
             }
             last = size;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use dempfv::coupling::Simulation;
 use dempfv::dem::{self, Dem, DemOptions, Particles, WallMaterial};
 use dempfv::io::packing;
 use dempfv::scene::{Plan, load_packing};
+use dempfv::simulation::Simulation;
 use dempfv::{Aabb, Vec3};
 
 use super::{Bench, Error, Material};

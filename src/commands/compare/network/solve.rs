@@ -48,7 +48,7 @@ impl Solution {
         let mut change = vec![0.0; unknowns];
         operators.pressures(&solution, &mut pressure);
         for _ in 0..REFINEMENTS {
-            operators.surplus(&pressure, &at_rest, &mut rhs);
+            operators.residual(&pressure, &at_rest, &mut rhs);
             factor.solve(&rhs, &mut change).map_err(dempfv::Error::from)?;
             solution.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
             operators.pressures(&solution, &mut pressure);

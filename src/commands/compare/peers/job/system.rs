@@ -112,7 +112,7 @@ impl System {
             operators.volume_rate(&velocity, &[0.0; 6], &mut rate);
             let still = vec![0.0; network.pores()];
             let mut rhs = vec![0.0; n];
-            operators.surplus(&still, &rate, &mut rhs);
+            operators.residual(&still, &rate, &mut rhs);
             solve(&operators.matrix, &points, &rhs)?
         } else {
             let high = bounds.max.y - bounds.min.y;

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
-use crate::coupling::outcome::{Outcome, PermeabilityTest};
-use crate::coupling::phases::Phase;
-use crate::coupling::setup;
+use crate::coupling::{Phase, with_users_numbers};
 use crate::pfv::{Boundary, Flow};
-use crate::scene::{self, Axis};
+use crate::scene;
+use crate::simulation::outcome::{Outcome, PermeabilityTest};
+use crate::simulation::setup;
 use crate::theory::{kozeny_carman, sauter_diameter};
-use crate::{InputError, Result, WallId};
+use crate::{Axis, InputError, Result, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -45,7 +45,7 @@ impl State {
             &saturation.fluid,
             saturation.solver,
         )
-        .map_err(|e| setup::with_users_numbers(e, particles))?;
+        .map_err(|e| with_users_numbers(e, particles))?;
         context.coupled.book_flow(flow.build_times());
         context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
         let measured = flow.permeability(lower, &saturation.fluid);

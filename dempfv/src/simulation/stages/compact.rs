@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
 use crate::Result;
-use crate::coupling::coupled::Coupled;
-use crate::coupling::outcome::{Compaction, Outcome};
-use crate::coupling::phases::Phase;
+use crate::coupling::Coupled;
+use crate::coupling::Phase;
 use crate::dem::{GrowthCompaction, GrowthOptions};
 use crate::scene;
+use crate::simulation::outcome::{Compaction, Outcome};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coupled, TimeStepBounds};
 use crate::Result;
+use crate::coupling::{Coupled, TimeStepBounds};
 use crate::scene::TimeStep;
 
 /// Steps between two looks at the automatic time step.
@@ -11,7 +11,7 @@ const REFRESH: u64 = 50;
 
 /// Model time and time step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Clock {
+pub struct Clock {
     /// Steps done since the start of the simulation.
     pub step: u64,
     /// Model time (s).

@@ -7,18 +7,18 @@ use rayon::join;
 
 /// Particles per block. Larger blocks have fewer contacts across their
 /// borders, smaller ones share out better.
-pub(super) const BLOCK: usize = 512;
+pub const BLOCK: usize = 512;
 
 /// From this many blocks on, handing work to another thread pays.
 const PARALLEL_FROM: usize = 5;
 
 /// Number of blocks of `n` particles.
-pub(super) fn block_count(n: usize) -> usize {
+pub fn block_count(n: usize) -> usize {
     n.div_ceil(BLOCK)
 }
 
 /// Borrowed arrays of a run of blocks that can be cut between two blocks.
-pub(super) trait Span: Send + Sized {
+pub trait Span: Send + Sized {
     /// Number of blocks.
     fn blocks(&self) -> usize;
     /// The first `blocks` blocks, and the rest.
@@ -28,7 +28,7 @@ pub(super) trait Span: Send + Sized {
 /// Runs `work` on all blocks of `span`, on several threads where that pays,
 /// and merges what it returns. `merge` must be associative and commutative to
 /// the last bit (a logical or, a maximum).
-pub(super) fn for_blocks<S: Span, R: Send>(
+pub fn for_blocks<S: Span, R: Send>(
     span: S,
     work: &(impl Fn(S) -> R + Sync),
     merge: &(impl Fn(R, R) -> R + Sync),
@@ -58,12 +58,12 @@ fn halve<S: Span, R: Send>(
 }
 
 /// Cuts a slice after `n` entries, or at its end where it is shorter.
-pub(super) fn cut<T>(slice: &[T], n: usize) -> (&[T], &[T]) {
+pub fn cut<T>(slice: &[T], n: usize) -> (&[T], &[T]) {
     slice.split_at(n.min(slice.len()))
 }
 
 /// Cuts a mutable slice after `n` entries, or at its end where it is shorter.
-pub(super) fn cut_mut<T>(slice: &mut [T], n: usize) -> (&mut [T], &mut [T]) {
+pub fn cut_mut<T>(slice: &mut [T], n: usize) -> (&mut [T], &mut [T]) {
     let n = n.min(slice.len());
     slice.split_at_mut(n)
 }

@@ -3,15 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::coupled::Coupled;
 use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
-use super::remesh::FluidState;
 use super::setup;
 use super::stages::{Active, Context, Progress};
-use super::{Observation, TimeStepBounds};
+use crate::coupling::{Coupled, FluidState, Observation, TimeStepBounds};
 use crate::dem::{Dem, DemState};
-use crate::scene::{Axis, Plan, Stage};
-use crate::{Error, InputError, Result};
+use crate::scene::{Plan, Stage};
+use crate::{Axis, Error, InputError, Result};
 
 /// A plan being carried out.
 ///

@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress, strain};
+use crate::coupling::Coupled;
 use crate::coupling::CouplingError;
-use crate::coupling::clock::Clock;
-use crate::coupling::coupled::Coupled;
-use crate::coupling::outcome::{Motion, MotionSample, Outcome};
 use crate::dem::WallControl;
 use crate::scene::{self, Plan, Until};
+use crate::simulation::clock::Clock;
+use crate::simulation::outcome::{Motion, MotionSample, Outcome};
 use crate::{Aabb, Result, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
+use crate::coupling::Coupled;
 use crate::coupling::CouplingError;
-use crate::coupling::clock::Clock;
-use crate::coupling::coupled::Coupled;
-use crate::coupling::outcome::{Consolidation, ConsolidationSample, Outcome, Profile};
-use crate::coupling::simulation::{last_cycles, last_permeability};
 use crate::dem::WallControl;
 use crate::pfv::Flow;
-use crate::scene::{self, Axis};
-use crate::{InputError, Result, WallId};
+use crate::scene;
+use crate::simulation::clock::Clock;
+use crate::simulation::outcome::{Consolidation, ConsolidationSample, Outcome, Profile};
+use crate::simulation::run::{last_cycles, last_permeability};
+use crate::{Axis, InputError, Result, WallId};
 
 /// Slabs of a pressure profile: about one sphere each in a packing of 1000.
 const SLABS: usize = 10;

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::operators::with_pores;
-use crate::size::largest;
+use crate::parallel::max_norm;
+use crate::parallel::with_pores;
 
 /// The unknown pressures of the last solves (Pa), by which the next ones are
 /// predicted: on the parabola through three of them, on the line through two.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct Extrapolation {
     /// The last ones, or where the next solve starts from.
     pub(super) now: Vec<f64>,
     before: [Vec<f64>; 2],
@@ -27,10 +27,10 @@ const LOOK_AGAIN: u32 = 50;
 /// What is seen of a correction times this is taken as what it leaves.
 const CAUTION: f64 = 4.0;
 
-impl Course {
-    pub(super) fn at_rest(unknowns: usize) -> Course {
+impl Extrapolation {
+    pub(super) fn at_rest(unknowns: usize) -> Extrapolation {
         let zeros = || vec![0.0; unknowns];
-        Course { now: zeros(), before: [zeros(), zeros()], known: 0, gain: None, age: 0 }
+        Extrapolation { now: zeros(), before: [zeros(), zeros()], known: 0, gain: None, age: 0 }
     }
 
     /// Number of unknowns.
@@ -76,7 +76,7 @@ impl Course {
         let part = |[now, correction]: [&mut [f64]; 2], pores: &[u32], out: &mut [f64]| {
             now.iter_mut().zip(&*correction).for_each(|(now, correction)| *now += correction);
             spread(now, pores, out);
-            Sizes { change: largest(correction), pressure: largest(now) }
+            Sizes { change: max_norm(correction), pressure: max_norm(now) }
         };
         with_pores(pore_of, [&mut self.now, correction], pressure, &part, &Sizes::and)
     }
@@ -117,8 +117,8 @@ pub(super) struct Sizes {
 impl Sizes {
     fn and(self, other: Sizes) -> Sizes {
         Sizes {
-            change: largest(&[self.change, other.change]),
-            pressure: largest(&[self.pressure, other.pressure]),
+            change: max_norm(&[self.change, other.change]),
+            pressure: max_norm(&[self.pressure, other.pressure]),
         }
     }
 }
@@ -140,13 +140,13 @@ mod tests {
     /// first two give the line's 11.
     #[test]
     fn a_parabola_is_predicted() {
-        let (mut course, mut pressure) = (Course::at_rest(1), [0.0]);
+        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(1), [0.0]);
         let p = |t: f64| 1.0 + 2.0 * t + 3.0 * t * t;
         for (t, next) in [(0.0, p(0.0)), (1.0, 11.0), (2.0, p(3.0))] {
-            course.now[0] = p(t);
-            course.solved();
-            course.predict(&[0], &mut pressure);
-            assert_eq!((course.now[0], pressure[0]), (next, next));
+            extrapolation.now[0] = p(t);
+            extrapolation.solved();
+            extrapolation.predict(&[0], &mut pressure);
+            assert_eq!((extrapolation.now[0], pressure[0]), (next, next));
         }
     }
 
@@ -157,16 +157,16 @@ mod tests {
         for unknowns in [0, 1, 6, 100, 4_097, 50_000] {
             let pore_of: Vec<u32> = (0..).filter(|k| k % 7 != 0).take(unknowns).collect();
             let mut pressure = vec![-1.0; pore_of.last().map_or(1, |&k| k as usize + 3)];
-            let mut course = Course::at_rest(unknowns);
+            let mut extrapolation = Extrapolation::at_rest(unknowns);
             let mut correction: Vec<f64> =
                 (0..unknowns).map(|u| ((u * 7919) % 1009) as f64 - 504.0).collect();
             let start = |u: usize| (u % 10) as f64;
-            course.now.iter_mut().enumerate().for_each(|(u, p)| *p = start(u));
-            course.predict(&pore_of, &mut pressure);
+            extrapolation.now.iter_mut().enumerate().for_each(|(u, p)| *p = start(u));
+            extrapolation.predict(&pore_of, &mut pressure);
             for (u, &pore) in pore_of.iter().enumerate() {
                 assert_eq!(pressure[pore as usize], start(u));
             }
-            let sizes = course.correct(&mut correction, &pore_of, &mut pressure);
+            let sizes = extrapolation.correct(&mut correction, &pore_of, &mut pressure);
             let mut expected = Sizes::default();
             for (u, &pore) in pore_of.iter().enumerate() {
                 let p = start(u) + correction[u];
@@ -185,11 +185,11 @@ mod tests {
     fn what_is_no_number_is_told() {
         let pore_of: Vec<u32> = (0..20_000).collect();
         for at in [0, 777, 19_999] {
-            let mut course = Course::at_rest(pore_of.len());
+            let mut extrapolation = Extrapolation::at_rest(pore_of.len());
             let mut correction = vec![1.0; pore_of.len()];
             correction[at] = f64::NAN;
             let mut pressure = vec![0.0; pore_of.len()];
-            let sizes = course.correct(&mut correction, &pore_of, &mut pressure);
+            let sizes = extrapolation.correct(&mut correction, &pore_of, &mut pressure);
             assert!(sizes.change.is_nan() && sizes.pressure.is_nan(), "{at} {sizes:?}");
         }
     }

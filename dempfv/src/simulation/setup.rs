@@ -1,13 +1,12 @@
 //! From a plan to the things that move.
 
-use super::coupled::{Coupled, Saturation};
-use super::remesh::RemeshRule;
+use crate::coupling::{Coupled, RemeshRule, Saturation};
 use crate::dem::{
     self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial,
 };
 use crate::pfv;
 use crate::scene::{self, ParticleSource, Plan, Sizes};
-use crate::{Aabb, Error, InputError, Result, Vec3};
+use crate::{Aabb, InputError, Result, Vec3};
 
 /// The spheres that a plan starts from, and their box (m): read from its
 /// packing file, or drawn with its seed.
@@ -92,14 +91,5 @@ pub(super) fn saturation(fluid: &scene::Fluid) -> Saturation {
         },
         solver: fluid.solver,
         remesh: RemeshRule { interval: fluid.remesh_interval, strain: fluid.remesh_strain },
-    }
-}
-
-/// An error of the pore network with the user's numbers of the spheres, which
-/// the mechanics keeps in another order.
-pub(super) fn with_users_numbers(error: Error, particles: &dem::Particles) -> Error {
-    match error {
-        Error::Pfv(error) => Error::Pfv(error.with_numbers(&particles.id)),
-        other => other,
     }
 }

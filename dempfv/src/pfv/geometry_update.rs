@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::frame::Frame;
 use super::lanes::LANES;
 use super::network::{Place, bounded, number_throats, pores_at, push_of, throats_at};
-use super::operators::for_each;
 use super::throat::{Throat, WallFriction};
 use super::{Flow, Fluid, NONE, Network, Operators};
+use crate::parallel::for_each;
 use crate::{Aabb, Vec3};
 
 /// Pores or throats that one task takes at least: half a millisecond of work.
@@ -251,7 +251,7 @@ impl Follower {
         for_each(&mut operators.forces.push, &|at, f| {
             *f = push[pores[at] as usize][corner[at] as usize];
         });
-        let Operators { matrix, pore_of, outlets, .. } = operators;
+        let Operators { matrix, pore_of, boundary_flux, .. } = operators;
         let row_idx = &matrix.row_idx;
         for_each(&mut matrix.values, &|at, g| {
             *g = match throat_at[at] {
@@ -259,8 +259,8 @@ impl Follower {
                 throat => -network.throats.conductance[throat as usize],
             };
         });
-        outlets.follow(&network.throats.conductance);
-        operators.join_anew(network);
+        boundary_flux.follow(&network.throats.conductance);
+        operators.update_stencils(network);
     }
 }
 

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress, strain};
 use crate::coupling::CouplingError;
-use crate::coupling::outcome::{LoadCycles, Outcome};
 use crate::dem::WallControl;
+use crate::simulation::outcome::{LoadCycles, Outcome};
 use crate::{Aabb, Result, WallId, scene};
 
 /// Steps between two looks at the equilibrium.

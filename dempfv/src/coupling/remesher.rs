@@ -11,29 +11,28 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use super::active_network::ActiveNetwork;
 use super::auto_interval::AutoInterval;
 use super::background::{
     Answer, NetworkBuilder, Order, StandardBuilder, Ticket, Worker, complete, guarded,
 };
 use super::coupled::Saturation;
 use super::gpu_use::GpuUse;
+use super::options::{Acceleration, OnFailure, RemeshMode, Swap};
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
-use super::setup::with_users_numbers;
-use super::stability::FastestMode;
-use super::wet::Wet;
-use crate::dem::Dem;
-use crate::pfv::{Carried, Course, Flow, Spare};
-use crate::scene::{Acceleration, OnFailure, RemeshMode, Swap};
+use super::viscous_bound::FastestMode;
+use crate::dem::{Dem, Particles};
+use crate::pfv::{Extrapolation, Flow, Spare, TransferSource};
 use crate::{Error, Result};
 
 /// The network in use and the one that comes next.
-pub(super) struct Networks {
+pub(super) struct Remesher {
     acceleration: Acceleration,
     /// What a solve may leave ([`Flow::set_tolerance`]); `None`: the flow's own.
     tolerance: Option<f64>,
     builder: Arc<dyn NetworkBuilder>,
-    pub current: Option<Wet>,
+    pub current: Option<ActiveNetwork>,
     /// Of a network that made room for its successor.
     legacy: Option<Legacy>,
     spare: Option<Spare>,
@@ -48,7 +47,7 @@ pub(super) struct Networks {
 
 /// What is left of a network that made room.
 struct Legacy {
-    pressures: Carried,
+    pressures: TransferSource,
     state: FluidState,
 }
 
@@ -81,7 +80,7 @@ struct Due {
 }
 
 impl Due {
-    fn of(wet: &Wet, rule: &RemeshRule, interval: Option<u64>) -> Due {
+    fn of(wet: &ActiveNetwork, rule: &RemeshRule, interval: Option<u64>) -> Due {
         let since = wet.state.since;
         // An interval of no steps would be one of every step.
         let old = |halves: u64| interval.is_some_and(|n| since >= n.max(1) * halves / 2);
@@ -91,9 +90,9 @@ impl Due {
     }
 }
 
-impl Networks {
-    pub fn new() -> Networks {
-        Networks {
+impl Remesher {
+    pub fn new() -> Remesher {
+        Remesher {
             acceleration: Acceleration::default(),
             tolerance: None,
             builder: Arc::new(StandardBuilder),
@@ -131,7 +130,7 @@ impl Networks {
         if let Some(tolerance) = self.tolerance {
             flow.set_tolerance(tolerance);
         }
-        self.current = Some(Wet::new(flow, state));
+        self.current = Some(ActiveNetwork::new(flow, state));
     }
 
     pub fn acceleration(&self) -> &Acceleration {
@@ -421,7 +420,7 @@ impl Networks {
             volume_change,
             resistance: [None; 6],
             worn: false,
-            course: Course::default(),
+            extrapolation: Extrapolation::default(),
             pending: None,
             fastest,
         };
@@ -483,7 +482,7 @@ impl Networks {
             .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
-        flow.resume(&state.course);
+        flow.resume(&state.extrapolation);
         if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network.pores()];
         }
@@ -499,5 +498,14 @@ impl Networks {
 impl Pending {
     fn new(snapshot: Snapshot) -> Pending {
         Pending { snapshot, ticket: None, answer: None }
+    }
+}
+
+/// An error of the pore network with the user's numbers of the spheres, which
+/// the mechanics keeps in another order.
+pub(crate) fn with_users_numbers(error: Error, particles: &Particles) -> Error {
+    match error {
+        Error::Pfv(error) => Error::Pfv(error.with_numbers(&particles.id)),
+        other => other,
     }
 }

@@ -39,7 +39,7 @@ pub const PRESSURE_ERROR: f64 = 1e-6;
 const MANY: u32 = 24;
 
 /// A network, and what a checkpoint must know of it.
-pub(super) struct Wet {
+pub(super) struct ActiveNetwork {
     pub flow: Flow,
     pub state: FluidState,
     /// How the last solve went, if it was iterated.
@@ -48,15 +48,15 @@ pub(super) struct Wet {
     probed: Vec<u32>,
 }
 
-impl Wet {
-    pub fn new(flow: Flow, state: FluidState) -> Wet {
-        Wet { flow, state, iterations: None, probed: vec![] }
+impl ActiveNetwork {
+    pub fn new(flow: Flow, state: FluidState) -> ActiveNetwork {
+        ActiveNetwork { flow, state, iterations: None, probed: vec![] }
     }
 
     /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
     /// 2020).
     pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
-        let Wet { flow, state, iterations, .. } = self;
+        let ActiveNetwork { flow, state, iterations, .. } = self;
         if let Some(Place { position, radius, bounds, fluid }) = motion.place {
             let wear = phases.time(Phase::Update, || flow.follow(position, radius, &bounds, fluid));
             state.worn = wear.inverted + wear.lost > 0;
@@ -111,7 +111,7 @@ impl Wet {
 
     /// What a checkpoint needs after so many steps, but for what is on its way.
     pub fn saved(&self, step: u64) -> FluidState {
-        FluidState { step, course: self.flow.course().clone(), ..self.state.clone() }
+        FluidState { step, extrapolation: self.flow.extrapolation().clone(), ..self.state.clone() }
     }
 
     /// How far the pores have come towards the limit of their strain: 1 where

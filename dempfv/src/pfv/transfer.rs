@@ -1,15 +1,16 @@
 //! Pressures of one network for the pores of another of the same spheres.
 
-use super::operators::{Incidence, for_each};
+use super::operators::Incidence;
 use super::{Network, Operators};
 use crate::Vec3;
+use crate::parallel::for_each;
 
 /// The pressures of a network that has been replaced.
 ///
 /// A pore of the new network that has the same four vertices as an old one has
 /// its pressure; another has that of the old pore whose centre is nearest to
 /// its own, among those that share a sphere with it.
-pub struct Carried {
+pub struct TransferSource {
     spheres: usize,
     cells: Vec<[u32; 4]>,
     center: Vec<Vec3>,
@@ -17,10 +18,10 @@ pub struct Carried {
     around: Incidence,
 }
 
-impl Carried {
-    pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> Carried {
+impl TransferSource {
+    pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> TransferSource {
         let Network { tessellation, center, .. } = network;
-        Carried {
+        TransferSource {
             spheres: tessellation.spheres,
             cells: tessellation.cells,
             center,

@@ -14,7 +14,7 @@ const WIDE: f64 = 1e4;
 /// join to these. In lattices, whose pores coincide in clusters, a free pore
 /// may have a wall's pore for a twin.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Outlets {
+pub(super) struct BoundaryFlux {
     /// Pores within a surface, and its wall.
     pores: Vec<(u32, u8)>,
     /// Throats across a surface: the pore within, the one outside, the wall.
@@ -24,25 +24,25 @@ pub(super) struct Outlets {
     conductance: Vec<f64>,
 }
 
-impl Outlets {
+impl BoundaryFlux {
     /// `imposed_by` has the index of the wall that imposes a pore's pressure,
     /// 6 for none.
-    pub fn new(network: &Network, imposed_by: &[u8]) -> Outlets {
+    pub fn new(network: &Network, imposed_by: &[u8]) -> BoundaryFlux {
         let within = grow(network, imposed_by);
-        let mut outlets = Outlets::default();
+        let mut boundary_flux = BoundaryFlux::default();
         for (i, &wall) in within.iter().enumerate().filter(|(_, wall)| **wall < 6) {
-            outlets.pores.push((i as u32, wall));
+            boundary_flux.pores.push((i as u32, wall));
             let around = network.tessellation.neighbors[i];
             for (j, number) in around.into_iter().zip(network.throat_of[i]) {
                 if j != NONE && within[j as usize] != wall {
-                    outlets.throats.push(([i as u32, j], wall));
-                    outlets.numbers.push(number);
+                    boundary_flux.throats.push(([i as u32, j], wall));
+                    boundary_flux.numbers.push(number);
                 }
             }
         }
-        outlets.conductance = vec![0.0; outlets.numbers.len()];
-        outlets.follow(&network.throats.conductance);
-        outlets
+        boundary_flux.conductance = vec![0.0; boundary_flux.numbers.len()];
+        boundary_flux.follow(&network.throats.conductance);
+        boundary_flux
     }
 
     /// Takes other conductances of the same throats (m³/(Pa·s)).

@@ -6,9 +6,8 @@
 
 use serde::Serialize;
 
-use super::acceleration::{OnFailure, RemeshMode, Update};
-use super::plan::*;
-use crate::time_step::{TimeStepBounds, viscous_time_step};
+use crate::coupling::{OnFailure, RemeshMode, TimeStepBounds, Update, viscous_time_step};
+use crate::scene::*;
 
 /// What is known about the spheres and pores of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -236,7 +235,7 @@ impl Flow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time_step::TimeStepRule;
+    use crate::coupling::TimeStepRule;
 
     fn near(value: f64, expected: f64, tolerance: f64) {
         assert!((value / expected - 1.0).abs() < tolerance, "{value} against {expected}");

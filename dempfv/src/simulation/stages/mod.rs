@@ -10,9 +10,9 @@ mod run;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::coupled::Coupled;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
+use crate::coupling::Coupled;
 use crate::dem::WallControl;
 use crate::scene::{Plan, StageKind, TimeStep};
 use crate::{Aabb, InputError, Result, WallId};

@@ -1,9 +1,9 @@
-//! The bounds on the time step of spheres and fluid together.
+//! The bounds that a plan's packing sets to its time step before it has moved.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::setup;
-use super::{Coupled, TimeStepBounds, TimeStepRule, viscous_time_step};
+use crate::coupling::{Coupled, TimeStepBounds, TimeStepRule};
 use crate::dem::{Dem, WallControl};
 use crate::pfv::{Flow, ViscousMode};
 use crate::scene::{self, Plan, StageKind};
@@ -11,83 +11,6 @@ use crate::{Result, WallId};
 
 /// Spheres that a report names at most.
 const NAMED: usize = 4;
-/// A viscous bound of more than so many times the contacts' need not be known
-/// well: it takes less than this share of their step away.
-const IRRELEVANT: f64 = 50.0;
-
-/// The fastest viscous mode of the network in use, or of one before it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct FastestMode {
-    mode: Option<ViscousMode>,
-    /// The walls held by a servo when it was found; `None` when it is the mode
-    /// of an earlier network.
-    servo: Option<[bool; 6]>,
-}
-
-impl FastestMode {
-    /// The same mode, for a new network to start from.
-    pub fn outdated(self) -> FastestMode {
-        FastestMode { servo: None, ..self }
-    }
-
-    /// Whether the mode is known for the network in use and these walls.
-    pub fn is_current(&self, dem: &Dem) -> bool {
-        self.servo == Some(servo_walls(dem))
-    }
-
-    /// Finds the mode; roughly, unless `exact`, where the contacts bound the
-    /// time step anyway.
-    pub fn update(&mut self, flow: &mut Flow, dem: &mut Dem, exact: bool) -> Result<()> {
-        let servo = servo_walls(dem);
-        let start = self.mode.as_ref().map(|m| &m.shape[..]);
-        let negligible = match exact {
-            true => 0.0,
-            false => bound_of(IRRELEVANT * dem.safe_time_step(1.0), dem.options().damping),
-        };
-        self.mode = flow.viscous_mode(&dem.particles().mass, servo, start, negligible)?;
-        self.servo = Some(servo);
-        Ok(())
-    }
-
-    /// The mode of the network in use, if it is known.
-    pub fn current(&self) -> Option<&ViscousMode> {
-        self.mode.as_ref().filter(|_| self.servo.is_some())
-    }
-
-    /// The viscous bound of the network in use (s): infinite where nothing
-    /// resists, `None` where it is not known.
-    fn bound(&self, damping: f64) -> Option<f64> {
-        self.servo?;
-        Some(bound_of(self.mode.as_ref().map_or(0.0, ViscousMode::upper_rate), damping))
-    }
-}
-
-/// The bound (s) that a viscous rate (1/s) sets to the time step, or the rate
-/// that sets a bound: 2/x, over 1 + the local damping. That damping makes a
-/// force which brakes larger by its factor, and a viscous force always brakes.
-fn bound_of(x: f64, damping: f64) -> f64 {
-    2.0 / (x * (1.0 + damping))
-}
-
-/// The walls that a servo holds.
-fn servo_walls(dem: &Dem) -> [bool; 6] {
-    dem.walls().each_ref().map(|w| matches!(w.control, WallControl::Servo { .. }))
-}
-
-/// The bounds of spheres with or without a fluid of this viscosity (Pa·s).
-pub(super) fn bounds(
-    dem: &mut Dem,
-    viscosity: Option<f64>,
-    fastest: Option<&FastestMode>,
-) -> TimeStepBounds {
-    let smallest = dem.particles().radius.iter().copied().fold(f64::INFINITY, f64::min);
-    TimeStepBounds {
-        contact: dem.safe_time_step(1.0),
-        viscous_estimate: viscosity
-            .map(|mu| viscous_time_step(smallest, dem.material().density, mu)),
-        viscous: fastest.and_then(|f| f.bound(dem.options().damping)),
-    }
-}
 
 /// The bounds that the packing of a plan sets to its time step before it has
 /// moved, and the size of its network.

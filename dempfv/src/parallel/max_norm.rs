@@ -5,7 +5,7 @@ const LANES: usize = 8;
 
 /// Largest size of an entry; not a number if any entry is not finite.
 #[inline]
-pub fn largest(x: &[f64]) -> f64 {
+pub fn max_norm(x: &[f64]) -> f64 {
     let (mut most, mut odd) = ([0.0f64; LANES], [0.0f64; LANES]);
     let (chunks, rest) = x.as_chunks::<LANES>();
     let mut take = |x: &[f64]| {
@@ -30,15 +30,15 @@ mod tests {
     /// or infinite anywhere.
     #[test]
     fn the_largest_is_found() {
-        assert_eq!(largest(&[]), 0.0);
+        assert_eq!(max_norm(&[]), 0.0);
         for n in [1, 7, 8, 9, 40, 43] {
             for at in 0..n {
                 let mut x: Vec<f64> = (0..n).map(|k| k as f64 / 100.0).collect();
                 x[at] = -3.0;
-                assert_eq!(largest(&x), 3.0);
+                assert_eq!(max_norm(&x), 3.0);
                 for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                     x[at] = odd;
-                    assert!(largest(&x).is_nan());
+                    assert!(max_norm(&x).is_nan());
                 }
             }
         }

@@ -6,7 +6,7 @@
 
 /// Has what lies so many entries ahead of these brought near.
 #[inline(always)]
-pub fn fetch<T>(entries: &[T], ahead: isize) {
+pub fn prefetch<T>(entries: &[T], ahead: isize) {
     #[cfg(target_arch = "x86_64")]
     for line in entries.chunks((64 / size_of::<T>()).max(1)) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -1,4 +1,4 @@
-//! Threads of the pool that are kept awake while a step is worked at.
+//! Threads of the pool that spin, rather than sleep, while a step is worked at.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +15,7 @@ const ATTEMPTS: usize = 16;
 /// Does the work while the other threads of the pool look for parts of it without going
 /// to sleep, from which they take longer to wake up than a small loop takes. Leaves them
 /// alone where there are more threads than processors.
-pub fn awake<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+pub fn spinning<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static PROCESSORS: OnceLock<usize> = OnceLock::new();
     let threads = rayon::current_num_threads();
     let processors =
@@ -87,12 +87,12 @@ mod tests {
         };
         for n in 0..200u64 {
             let expected = 20 * n * n.saturating_sub(1) / 2;
-            assert_eq!(pool.install(|| awake(|| sum(n))), expected);
-            assert_eq!(pool.install(|| awake(|| awake(|| sum(n)))), expected);
-            assert_eq!(awake(|| sum(n)), expected);
+            assert_eq!(pool.install(|| spinning(|| sum(n))), expected);
+            assert_eq!(pool.install(|| spinning(|| spinning(|| sum(n)))), expected);
+            assert_eq!(spinning(|| sum(n)), expected);
         }
-        let fails = || pool.install(|| awake(|| assert!(sum(3) == 0, "on purpose")));
+        let fails = || pool.install(|| spinning(|| assert!(sum(3) == 0, "on purpose")));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(fails)).is_err());
-        assert_eq!(pool.install(|| awake(|| sum(9))), 20 * 36);
+        assert_eq!(pool.install(|| spinning(|| sum(9))), 20 * 36);
     }
 }

@@ -1,0 +1,37 @@
+//! A scene carried out: stages, model time, outcomes, what it will cost.
+//!
+//! [`Simulation`] carries out a [`Plan`](crate::scene::Plan): it is advanced step by step by its
+//! caller, who may look at it, save its [`State`] or stop between any two.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use dempfv::scene::Plan;
+//! use dempfv::simulation::Simulation;
+//!
+//! let plan = Plan::load(Path::new("scenes/oedometer.toml"))?;
+//! let mut simulation = Simulation::new(plan)?;
+//! while simulation.advance()? {
+//!     if simulation.step() % 1000 == 0 {
+//!         let seen = simulation.observe();
+//!         assert!(seen.porosity > 0.0);
+//!     }
+//! }
+//! # Ok::<(), dempfv::Error>(())
+//! ```
+
+mod clock;
+mod estimate;
+mod outcome;
+mod run;
+mod setup;
+mod stability;
+mod stages;
+
+pub use estimate::{Estimate, Specimen};
+pub use outcome::{
+    Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, MotionSample, Outcome,
+    PermeabilityTest, Profile, StageOutcome,
+};
+pub use run::{Simulation, State};
+pub use setup::initial_packing;
+pub use stability::Stability;
