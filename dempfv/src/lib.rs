@@ -5,6 +5,7 @@ pub mod coupling;
 pub mod dem;
 mod domain;
 mod error;
+mod input;
 pub mod io;
 mod parallel;
 pub mod pfv;
@@ -14,4 +15,5 @@ pub mod solver;
 pub mod theory;
 
 pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};
-pub use error::{Error, InputError, Result};
+pub use error::{Error, Result};
+pub use input::InputError;

@@ -14,14 +14,15 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("solver", &["parallel"]),
     ("dem", &["parallel", "domain"]),
     ("pfv", &["solver", "parallel", "domain"]),
-    ("io", &["input", "domain", "solver"]),
+    ("io", &["input", "domain", "solver", "pfv"]),
     ("coupling", &["dem", "pfv", "solver", "parallel", "domain"]),
-    ("scene", &["coupling", "dem", "pfv", "solver", "io", "input", "domain"]),
-    ("error", &["input", "io", "coupling", "dem", "pfv", "solver", "simulation"]),
+    ("scene", &["coupling", "dem", "pfv", "solver", "io", "input", "domain", "error"]),
+    ("error", &["input", "io", "coupling", "dem", "pfv", "solver"]),
     (
         "simulation",
         &[
-            "scene", "coupling", "dem", "pfv", "solver", "io", "parallel", "theory", "input", "domain", "error",
+            "scene", "coupling", "dem", "pfv", "solver", "io", "parallel", "theory", "input",
+            "domain", "error",
         ],
     ),
 ];

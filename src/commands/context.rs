@@ -121,7 +121,7 @@ pub fn write_json<R: Serialize>(path: &Path, report: &R) -> Result<(), Error> {
     if special {
         return std::fs::write(path, text).map_err(|e| Error::io(path, e));
     }
-    atomic::write(path, text.as_bytes())
+    Ok(atomic::write(path, text.as_bytes())?)
 }
 
 fn check_folder(path: &Path) -> Result<(), InputError> {

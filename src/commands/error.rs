@@ -43,6 +43,12 @@ impl From<InputError> for Error {
     }
 }
 
+impl From<dempfv::io::IoError> for Error {
+    fn from(error: dempfv::io::IoError) -> Self {
+        Error::Library(error.into())
+    }
+}
+
 fn kept(log: &Option<PathBuf>) -> String {
     log.as_ref().map_or(String::new(), |log| format!("; what it printed is in {}", log.display()))
 }

@@ -27,7 +27,6 @@ mod lanes;
 mod locate;
 mod network;
 mod operators;
-mod polyhedra;
 mod pore;
 mod pore_batch;
 mod slabs;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::plan::{ParticleSource, Plan};
 use crate::domain::{Aabb, Vec3, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 use crate::io::packing::Packing;
 
 /// A sphere may reach through a wall by this share of its radius: contacts overlap.

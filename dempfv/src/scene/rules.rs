@@ -3,7 +3,7 @@
 use super::plan::*;
 use super::table::Table;
 use crate::domain::{Axis, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 
 type Result = std::result::Result<(), InputError>;
 

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::keys::{self, Schema};
 use super::nearest::{nearest, suggestion};
 use crate::domain::{Vec3, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
 

@@ -185,7 +185,7 @@ fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(),
     order.sort_unstable_by_key(|&i| particles.id[i]);
     let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();
     let radius: Vec<_> = order.iter().map(|&i| particles.radius[i]).collect();
-    packing::write(file, &position, &radius, Some(&dem.box_()), comment)
+    Ok(packing::write(file, &position, &radius, Some(&dem.box_()), comment)?)
 }
 
 impl fmt::Display for Report {

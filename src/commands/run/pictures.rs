@@ -74,7 +74,7 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
         text.push_str(&row.map(|v| v.to_string()).join(","));
         text.push('\n');
     }
-    atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())
+    Ok(atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())?)
 }
 
 /// Stress by strain where the strain ends the stage, else stress and pore
@@ -139,7 +139,7 @@ pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<(
     let Some(flow) = coupled.flow() else { return Ok(()) };
     let particles = coupled.dem.particles();
     let bounds = coupled.dem.box_();
-    let (points, cells) = flow.network.polyhedra(&particles.position, &bounds);
+    let (points, cells) = dempfv::io::vtk::pore_cells(&flow.network, &particles.position, &bounds);
     plot::section(&Section {
         title: "Pore pressure in a section",
         caption: &format!("{}\n{moment}", simulation.plan().title),

@@ -80,7 +80,7 @@ impl Recorder {
     fn write_row(&mut self, simulation: &Simulation) -> Result<()> {
         let mut values = Vec::new();
         history::row(simulation, &mut values);
-        self.history.row(&values)
+        Ok(self.history.row(&values)?)
     }
 
     /// Hands everything to the system; a finished run ends with its last state.
@@ -89,7 +89,7 @@ impl Recorder {
         if finished && self.history_every > 0 && !written {
             self.write_row(simulation)?;
         }
-        self.history.flush()
+        Ok(self.history.flush()?)
     }
 }
 
@@ -126,7 +126,7 @@ impl Frames {
         self.spheres.push(time, &name)?;
         let Some(flow) = coupled.flow() else { return Ok(()) };
         let bounds = coupled.dem.box_();
-        let (points, cells) = flow.network.polyhedra(&particles.position, &bounds);
+        let (points, cells) = vtk::pore_cells(&flow.network, &particles.position, &bounds);
         let volume = flow.network.volumes_at(&particles.position, &bounds);
         let name = format!("pores-{step:09}.vtu");
         vtk::write_cells(
@@ -135,6 +135,6 @@ impl Frames {
             &cells,
             &[("pressure", flow.pressure()), ("volume", &volume)],
         )?;
-        self.pores.push(time, &name)
+        Ok(self.pores.push(time, &name)?)
     }
 }

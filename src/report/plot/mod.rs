@@ -36,6 +36,6 @@ impl Picture {
         let bytes = png::render(self).ok_or_else(|| {
             dempfv::Error::io(&path, std::io::Error::other("the picture is too large"))
         })?;
-        atomic::write(&path, &bytes)
+        Ok(atomic::write(&path, &bytes)?)
     }
 }

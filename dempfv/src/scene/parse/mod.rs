@@ -11,7 +11,8 @@ use super::keys;
 use super::plan::Plan;
 use super::rules;
 use super::table::{Source, Table};
-use crate::error::{Error, InputError};
+use crate::error::Error;
+use crate::input::InputError;
 
 impl Plan {
     /// Reads a scene.

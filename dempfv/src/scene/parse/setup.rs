@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::stages;
 use crate::coupling::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use crate::domain::{Aabb, Vec3, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 use crate::pfv::Clamp;
 use crate::scene::keys;
 use crate::scene::packing_check::probe_outside;

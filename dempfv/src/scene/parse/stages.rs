@@ -1,7 +1,7 @@
 //! The stages of a scene.
 
 use crate::domain::{Axis, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 use crate::scene::keys;
 use crate::scene::plan::*;
 use crate::scene::table::{Bound, Table, Value};
