@@ -180,7 +180,7 @@ impl Packing {
 /// `comment` becomes a comment line at its head.
 ///
 /// # Errors
-/// [`IoError::File`] when the file cannot be written; nothing partial
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written; nothing partial
 /// remains.
 pub fn write(
     path: &Path,

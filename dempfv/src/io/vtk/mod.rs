@@ -43,7 +43,7 @@ pub struct SphereFrame<'a> {
 /// ParaView: filter "Glyph", type sphere, scaled by `radius`, factor 2.
 ///
 /// # Errors
-/// [`IoError::File`] when the file cannot be written or the slices differ
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written or the slices differ
 /// in length; nothing partial remains.
 pub fn write_spheres(path: &Path, frame: &SphereFrame) -> Result<()> {
     let cells = Cells::vertices(frame.position.len());
@@ -76,7 +76,7 @@ pub fn write_spheres(path: &Path, frame: &SphereFrame) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`IoError::File`] when the file cannot be written, a column has not one
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written, a column has not one
 /// number per cell, or a cell names a point that is not there; nothing partial
 /// remains.
 pub fn write_cells(
