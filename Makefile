@@ -50,6 +50,7 @@ demo: build ## Consolidate a saturated packing and compare it with Terzaghi (min
 
 test: install-packages install-test-packages ## Run every test that needs no GPU and no YADE
 	cargo test --workspace --locked
+	cargo test --workspace --locked --no-default-features --test without_evidence
 	tests/vtk_read_back.sh
 
 # Not part of `make test`: other compilers have other lints.

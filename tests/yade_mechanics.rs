@@ -36,7 +36,8 @@ fn reference(name: &str) -> Value {
 /// Carries out the reference's scene; returns its history, column by column.
 fn ours(name: &str, reference: &Value) -> impl Fn(&str, u64) -> f64 {
     let folder = Folder::new(name);
-    let packing = Path::new(env!("CARGO_MANIFEST_DIR")).join("evidence/tests/reference/loading-200.txt");
+    let packing =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("evidence/tests/reference/loading-200.txt");
     std::fs::copy(packing, folder.0.join("loading-200.txt")).unwrap();
     folder.write("scene.toml", reference["scene"].as_str().unwrap());
     folder.done(&["run", "scene.toml", "--out", "out"]);
