@@ -25,6 +25,7 @@ DEMO := out/oedometer
 COMPARISON := out/compare-yade
 CONTEST := out/compare-peers
 PAPER := out/paper
+EVERY_STEP := out/every-step
 BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
@@ -49,6 +50,7 @@ demo: build ## Consolidate a saturated packing and compare it with Terzaghi (min
 
 test: install-packages install-test-packages ## Run every test that needs no GPU and no YADE
 	cargo test --workspace --locked
+	cargo test --workspace --locked --no-default-features --test without_evidence
 	tests/vtk_read_back.sh
 
 # Not part of `make test`: other compilers have other lints.
@@ -112,10 +114,10 @@ paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md
 	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
 
 every-step: build ## Measure what following the spheres at every step costs and gains; writes docs/every-step.md (half an hour)
-	cargo run --release --locked --example every_step -- out
+	$(DEMPFV) every-step --out $(EVERY_STEP) --force
 	mkdir -p docs/every-step
-	cp out/every-step/*.png out/every-step/*.csv docs/every-step/
-	cp out/every-step.md docs/every-step.md
+	cp $(EVERY_STEP)/every-step/*.png $(EVERY_STEP)/every-step/*.csv docs/every-step/
+	cp $(EVERY_STEP)/every-step.md docs/every-step.md
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda
@@ -136,7 +138,7 @@ bundle: cuda ## Pack the GPU program with its libraries for another machine: out
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
 bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
-	cargo bench --locked -p dempfv --bench dem --bench coupled
+	cargo bench --locked -p dempfv-evidence
 
 install-packages:
 	@tests/install.sh $(PACKAGES)
@@ -152,7 +154,7 @@ install-peers:
 	@test -x $(CONTEST)/venv/bin/python || /usr/bin/python3 -m venv $(CONTEST)/venv
 	@$(CONTEST)/venv/bin/python -c "import pypardiso" 2>/dev/null || \
 		$(CONTEST)/venv/bin/pip install --quiet --disable-pip-version-check $(PARDISO)
-	cargo build --release --locked --manifest-path benches/peers/faer/Cargo.toml --target-dir target/peers
+	cargo build --release --locked --manifest-path evidence/peers/faer/Cargo.toml --target-dir target/peers
 
 install-memcheck-packages:
 	@tests/install.sh $(MEMCHECK_PACKAGES)

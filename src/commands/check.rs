@@ -10,10 +10,10 @@ use dempfv::scene::{Plan, StageKind, TimeStep, Until};
 use dempfv::simulation::Stability;
 use dempfv::simulation::{Estimate, Specimen};
 use dempfv::{Aabb, Error};
+use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use serde::Serialize;
 
 use super::describe;
-use super::format::{bytes, count, duration, si, three_digits};
 
 /// The pores of packings of up to so many spheres are counted.
 const COUNTED: usize = 50_000;

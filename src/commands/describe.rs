@@ -3,8 +3,7 @@
 use dempfv::WallId;
 use dempfv::coupling::{Acceleration, RemeshMode, Swap};
 use dempfv::scene::*;
-
-use super::format::{count, si, three_digits};
+use dempfv_report::format::{count, si, three_digits};
 
 /// What a stage does and when it ends.
 pub fn stage(kind: &StageKind) -> String {

@@ -11,11 +11,11 @@ use dempfv::io::packing;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::{Compaction, Outcome, Simulation};
 use dempfv::{Error, InputError};
+use dempfv_report::format::{count, si, three_digits};
+use dempfv_report::output::{OutputArgs, make_folder};
 use serde::Serialize;
 
 use super::Context;
-use super::format::{count, si, three_digits};
-use super::output::{OutputArgs, make_folder};
 
 /// File in the output folder that holds the packing.
 const FILE: &str = "packing.txt";

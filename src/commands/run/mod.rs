@@ -4,6 +4,7 @@ mod history;
 mod pictures;
 mod recorder;
 mod remesh;
+mod results;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -15,13 +16,14 @@ use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::{Simulation, State};
 use dempfv::{Error, Result};
+use dempfv_report::format::si;
+use dempfv_report::json;
+use dempfv_report::output::{OutputArgs, make_folder};
+use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
 pub use self::summary::Report;
 use super::Context;
-use super::format::si;
-use super::output::{OutputArgs, make_folder, remove_results};
-use crate::report::progress::Progress;
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -63,7 +65,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     };
     make_folder(&folder)?;
     if args.restart.is_none() {
-        remove_results(&folder)?;
+        results::remove(&folder)?;
     }
     let recorder = Recorder::new(&folder, &simulation, from)?;
     let mut session = Session {
@@ -226,7 +228,7 @@ impl Session {
             status,
             &self.folder,
         );
-        super::context::write_json(&self.folder.join(SUMMARY), &report)?;
+        json::write(&self.folder.join(SUMMARY), &report)?;
         match ended {
             Ok(()) => Ok(report),
             Err(Error::Input(error)) => Err(Error::Input(error)),

@@ -9,9 +9,8 @@ use dempfv::simulation::{
     Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
 };
 use dempfv::theory::degree_of_consolidation;
-
-use crate::commands::format::{si, three_digits};
-use crate::report::plot::{self, Section};
+use dempfv_report::format::{si, three_digits};
+use dempfv_report::plot::{self, Section};
 
 /// Draws what a finished stage has to show.
 pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) -> Result<()> {

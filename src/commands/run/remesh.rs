@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use dempfv::coupling::{Coupled, UpdateCounts};
 use dempfv::coupling::{RemeshMode, Update};
+use dempfv_report::format::count;
 use serde::Serialize;
-
-use crate::commands::format::count;
 
 /// What happened at the remeshes of a session.
 #[derive(Serialize)]

@@ -8,12 +8,12 @@ use std::time::Duration;
 use dempfv::coupling::{Coupled, GpuUse};
 use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
+use dempfv_report::format::{bytes, count, duration, si, three_digits};
+use dempfv_report::table;
+use dempfv_report::{machine, versions};
 use serde::{Serialize, Serializer};
 
 use super::remesh::Remesh;
-use crate::commands::format::{bytes, count, duration, si, three_digits};
-use crate::commands::{doctor, machine};
-use crate::report::table::table;
 
 /// How a run ended.
 pub struct Status {
@@ -112,7 +112,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
-            versions: doctor::versions(),
+            versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: simulation.outcomes().to_vec(),
             folder: folder.to_owned(),
