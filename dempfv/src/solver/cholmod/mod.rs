@@ -93,7 +93,7 @@ fn analyze(
     }
     blas::choose_default();
     let (name, raw) = match coordinates {
-        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::order(a, points)))),
+        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::minimum_cuts(a, points)))),
         None => {
             // A panic in another analysis leaves nothing behind in METIS.
             let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);

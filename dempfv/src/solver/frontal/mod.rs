@@ -94,7 +94,7 @@ impl Backend for Frontal {
         blas::choose_default();
         let (ordering, order) = match coordinates {
             Some(points) => {
-                let order = ordering::order(a, points);
+                let order = ordering::minimum_cuts(a, points);
                 ("minimum cuts", order.into_iter().map(|k| k as u32).collect())
             }
             None => ("metis", cholmod::metis_order(a)?),
