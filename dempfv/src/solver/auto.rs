@@ -1,6 +1,8 @@
 //! Which solver is the fastest for how many unknowns.
 
-use super::{Backend, Cholmod, Frontal, SolverError, Symbolic, SymmetricCsc};
+use super::{
+    Backend, Cholmod, Cost, Frontal, SolverError, Symbolic, SymmetricCsc, SystemSize, cost,
+};
 
 /// From this many unknowns on the frontal solver is the faster one: some 1,500
 /// spheres. Below, where a factor lies in the processor's cache whatever its
@@ -26,5 +28,9 @@ impl Backend for Auto {
         } else {
             Frontal.analyze(a, coordinates)
         }
+    }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(cost::auto(size.unknowns).cost(size))
     }
 }

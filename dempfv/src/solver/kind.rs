@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Auto, Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
+use super::{Auto, Backend, Cholmod, CholmodGpu, Cost, Frontal, GpuOptions, SystemSize, cost};
 
 /// A solver by its name.
 ///
@@ -75,6 +75,16 @@ impl SolverKind {
             SolverKind::Frontal => Box::new(Frontal),
             SolverKind::CholmodGpu(options) => Box::new(CholmodGpu(options)),
         }
+    }
+
+    /// What a system of this size can be expected to take.
+    pub fn cost(self, size: &SystemSize) -> Cost {
+        match self {
+            SolverKind::Auto => cost::auto(size.unknowns),
+            SolverKind::Cholmod | SolverKind::CholmodGpu(_) => cost::CHOLMOD,
+            SolverKind::Frontal => cost::FRONTAL,
+        }
+        .cost(size)
     }
 }
 

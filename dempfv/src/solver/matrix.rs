@@ -56,6 +56,12 @@ impl SymmetricCsc {
     /// [`SolverError::InvalidMatrix`] or [`SolverError::MatrixNotFinite`] with
     /// the first column at fault.
     pub fn validate(&self) -> Result<(), SolverError> {
+        self.validate_pattern()?;
+        self.check_finite()
+    }
+
+    /// The same, whatever the values.
+    pub(super) fn validate_pattern(&self) -> Result<(), SolverError> {
         let fail = |column, what| Err(SolverError::InvalidMatrix { column, what });
         if self.col_ptr.len() != self.n + 1 || self.col_ptr[0] != 0 {
             return fail(0, "the column pointers must be n + 1 and start with 0");
@@ -84,7 +90,7 @@ impl SymmetricCsc {
                 return fail(j, "a row lies outside the matrix");
             }
         }
-        self.check_finite()
+        Ok(())
     }
 
     /// Checks that every value is finite.

@@ -42,6 +42,7 @@
 mod auto;
 pub mod blas;
 mod cholmod;
+mod cost;
 mod error;
 mod frontal;
 mod gpu_info;
@@ -53,6 +54,7 @@ mod tree;
 
 pub use auto::{Auto, FRONTAL_FROM};
 pub use cholmod::{Cholmod, CholmodGpu};
+pub use cost::{Cost, CostModel, Fill, SystemSize};
 pub use error::SolverError;
 pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};
@@ -81,6 +83,13 @@ pub trait Backend: Send + Sync {
         a: &SymmetricCsc,
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<Box<dyn Symbolic>, SolverError>;
+
+    /// What a system of this size can be expected to take; `None` where the solver has no cost
+    /// model.
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        let _ = size;
+        None
+    }
 }
 
 /// What the pattern alone tells of a factorization.

@@ -10,8 +10,8 @@ mod raw;
 use std::sync::{Mutex, PoisonError};
 
 use super::{
-    Analysis, Backend, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc, blas,
-    ordering, require_size,
+    Analysis, Backend, Cost, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc,
+    SystemSize, blas, cost, ordering, require_size,
 };
 use accelerator::Accelerator;
 use raw::{Fault, Raw};
@@ -47,6 +47,10 @@ impl Backend for Cholmod {
     ) -> Result<Box<dyn Symbolic>, SolverError> {
         analyze(a, coordinates, None)
     }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(cost::CHOLMOD.cost(size))
+    }
 }
 
 /// The CHOLMOD backend with its largest dense parts on an NVIDIA GPU (Rennich,
@@ -71,6 +75,11 @@ impl Backend for CholmodGpu {
     ) -> Result<Box<dyn Symbolic>, SolverError> {
         analyze(a, coordinates, Some(self.0))
     }
+
+    /// That of the CPU, which a GPU may undercut by as much as it is faster.
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Cholmod.cost(size)
+    }
 }
 
 fn analyze(
@@ -84,7 +93,7 @@ fn analyze(
     }
     blas::choose_default();
     let (name, raw) = match coordinates {
-        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::order(a, points)))),
+        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::minimum_cuts(a, points)))),
         None => {
             // A panic in another analysis leaves nothing behind in METIS.
             let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);

@@ -40,8 +40,8 @@ mod system;
 use rayon::prelude::*;
 
 use super::{
-    Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
-    ordering, require_size,
+    Analysis, Backend, Cost, Factor, Placement, SolverError, Symbolic, SymmetricCsc, SystemSize,
+    blas, cholmod, cost, ordering, require_size,
 };
 use crate::parallel::{advise_huge_pages, max_norm};
 use apply::Solve;
@@ -94,7 +94,7 @@ impl Backend for Frontal {
         blas::choose_default();
         let (ordering, order) = match coordinates {
             Some(points) => {
-                let order = ordering::order(a, points);
+                let order = ordering::minimum_cuts(a, points);
                 ("minimum cuts", order.into_iter().map(|k| k as u32).collect())
             }
             None => ("metis", cholmod::metis_order(a)?),
@@ -105,6 +105,10 @@ impl Backend for Frontal {
         let analysis = Analysis { ordering, nnz_l: pattern.nnz_l, flops: pattern.flops };
         let hash = a.pattern_hash();
         Ok(Box::new(Analyzed { pattern, plan, places, analysis, hash }))
+    }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(cost::FRONTAL.cost(size))
     }
 }
 

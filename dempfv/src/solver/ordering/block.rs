@@ -4,7 +4,6 @@ use super::band::{self, Range};
 use super::degree::Leaf;
 use super::flow::{Flow, Side};
 use super::graph::Graph;
-use super::tree::Size;
 
 /// Parts of no more vertices than this are not cut.
 pub(super) const LEAF: usize = 128;
@@ -77,11 +76,9 @@ impl Block {
         self.graph.part(vertices)
     }
 
-    /// Orders all vertices, and tells into which parts they were dissected.
-    pub(super) fn order(&mut self, out: &mut [i64]) -> Vec<Size> {
-        let mut sizes = Vec::new();
-        self.dissect(&mut self.all(), WHOLE, out, &mut sizes);
-        sizes
+    /// Orders all vertices.
+    pub(super) fn order(&mut self, out: &mut [i64]) {
+        self.dissect(&mut self.all(), WHOLE, out);
     }
 
     /// Cuts the whole once: the vertices of both sides. The cut is written to the
@@ -102,30 +99,21 @@ impl Block {
     }
 
     /// Orders the vertices of a part.
-    fn dissect(
-        &mut self,
-        vertices: &mut [u32],
-        label: u32,
-        out: &mut [i64],
-        sizes: &mut Vec<Size>,
-    ) {
+    fn dissect(&mut self, vertices: &mut [u32], label: u32, out: &mut [i64]) {
         let cut = if vertices.len() > LEAF { self.cut(vertices, label) } else { None };
         let Some(cut) = cut else {
             let Block { graph, label: labels, number, leaf, .. } = self;
             leaf.order(graph, vertices, labels, label, number);
             self.write(vertices, out);
-            sizes.push(Size::of_leaf(vertices.len()));
             return;
         };
-        let before = sizes.len();
         let (left, rest) = vertices.split_at_mut(cut.sizes[0]);
         let (right, separator) = rest.split_at_mut(cut.sizes[1]);
         let (first, rest) = out.split_at_mut(left.len());
         let (second, last) = rest.split_at_mut(right.len());
         self.write(separator, last);
-        self.dissect(left, cut.labels[0], first, sizes);
-        self.dissect(right, cut.labels[1], second, sizes);
-        sizes.push(Size::of_cut(last.len(), sizes.len() - before));
+        self.dissect(left, cut.labels[0], first);
+        self.dissect(right, cut.labels[1], second);
     }
 
     /// Cuts a part: sorts its vertices into both sides and the separator and gives

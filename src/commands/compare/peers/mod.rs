@@ -4,7 +4,6 @@
 mod coupled;
 mod draw;
 mod dry;
-mod follow;
 pub mod job;
 mod linear;
 mod model;
@@ -99,7 +98,6 @@ struct Results {
     network: Vec<network::Case>,
     inside: Vec<coupled::Inside>,
     linear: Vec<linear::Case>,
-    follow: Vec<follow::Case>,
 }
 
 /// The machine before the first run.
@@ -160,7 +158,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     let first = limits("limits-start")?;
     let place = |size: &sizes::Size| size.place(bench);
     let (mut dry, mut coupled, mut network) = (vec![], vec![], vec![]);
-    let (mut inside, mut linear, mut follow) = (vec![], vec![], vec![]);
+    let (mut inside, mut linear) = (vec![], vec![]);
     for size in sizes.dry {
         dry.push(dry::measure(contest, &place(size)?)?);
     }
@@ -169,7 +167,6 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     }
     for size in sizes.linear {
         linear.push(linear::measure(contest, &place(size)?)?);
-        follow.push(follow::measure(contest, &place(size)?)?);
     }
     for size in sizes.inside {
         inside.push(coupled::inside(contest, &place(size)?)?);
@@ -179,7 +176,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
         coupled.push(coupled::measure(contest, &place(size)?, before)?);
     }
     let limits = [first, limits("limits-end")?];
-    Ok(Results { start, limits, dry, coupled, network, inside, linear, follow })
+    Ok(Results { start, limits, dry, coupled, network, inside, linear })
 }
 
 impl Start {

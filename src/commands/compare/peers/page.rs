@@ -5,7 +5,6 @@ use std::path::Path;
 use dempfv::io::atomic;
 
 use super::coupled::{self, PHASES, REMESH, Way};
-use super::job::MOTION;
 use super::linear;
 use super::model;
 use super::rows::Row;
@@ -37,7 +36,6 @@ pub fn write(
     text += &coupled(contest, results);
     text += &network(results);
     text += &linear(results);
-    text += &follow(results);
     text += &inside(results);
     atomic::write(path, text.as_bytes())?;
     Ok(())
@@ -304,37 +302,6 @@ fn linear(results: &Results) -> String {
                 200.0 * side.factor_bytes / limits.bandwidth[1] / side.solve_s.median(),
             );
         }
-    }
-    text
-}
-
-fn follow(results: &Results) -> String {
-    let mut text = format!(
-        "\n## An ordering that follows small motion\n\nA function of the library (`Ordering::follow`); \
-         the time loop does not call it, since its results would then depend on all remeshes before. \
-         Each sphere moves at random by up to {} % of the mean \
-         radius along each axis, and the network is built anew. The ordering that follows takes \
-         separators and turns of the network before along by place, once after an ordering made anew; \
-         beside it one of its own. METIS: CHOLMOD's \
-         ordering and analysis above, of the network before.\n\n| unknowns | new pores | follows, \
-         ms | its own, ms | METIS, ms | nnz(L), follows | its own | METIS |\n\
-         |--:|--:|--:|--:|--:|--:|--:|--:|\n",
-        100.0 * MOTION
-    );
-    for case in &results.follow {
-        let same = results.linear.iter().find(|c| c.spheres == case.spheres);
-        let metis = same.and_then(|c| c.side(linear::CHOLMOD));
-        text += &format!(
-            "| {} | {:.1} % | {} | {} | {} | {:.3e} | {:.3e} | {} |\n",
-            count(case.unknowns as u64),
-            100.0 * case.new_pores,
-            case.follow_s.show(1e-3),
-            case.order_s.show(1e-3),
-            metis.map_or("–".to_owned(), |m| m.analyze_s.show(1e-3)),
-            case.nnz_followed,
-            case.nnz_own,
-            metis.map_or("–".to_owned(), |m| format!("{:.3e}", m.nnz_l)),
-        );
     }
     text
 }

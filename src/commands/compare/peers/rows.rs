@@ -1,7 +1,6 @@
 //! The eight rows of the contest: what was measured, what must be reached, what is aimed at.
 
 use super::coupled::{self, TOLERANCE, Way};
-use super::follow;
 use super::linear::{self, CHOLMOD, PARDISO_NAME, Side};
 use super::sample::{Sample, worst};
 use super::{Contest, Results};
@@ -132,7 +131,6 @@ pub fn rows(contest: &Contest, results: &Results) -> Vec<Row> {
     rows.extend(results.coupled.iter().map(coupled));
     rows.extend(results.network.iter().map(|case| network(case, results)));
     rows.extend(results.linear.iter().map(|case| ordering(contest, case)));
-    rows.extend(results.follow.iter().map(|case| ordering_again(case, results)));
     let largest = results.linear.iter().map(|c| c.unknowns).max().unwrap_or(0);
     for case in results.linear.iter().filter(|c| c.unknowns < largest || results.linear.len() == 1)
     {
@@ -266,34 +264,6 @@ fn ordering(contest: &Contest, case: &linear::Case) -> Row {
             Err(_) => vec![],
         },
         aim_holds: fill <= 0.96,
-    }
-}
-
-/// Against METIS on the network before the motion, in the same run.
-fn ordering_again(case: &follow::Case, results: &Results) -> Row {
-    let same = results.linear.iter().find(|c| c.spheres == case.spheres);
-    let metis = same.and_then(|c| c.side(CHOLMOD));
-    let metis = metis.ok_or_else(|| "without CHOLMOD".to_owned());
-    let ours = case.follow_s.median();
-    Row {
-        number: 5,
-        what: "ordering that follows small motion (library)",
-        on: unknowns(case.unknowns),
-        value: metis.as_ref().map(|m| ours / m.analyze_s.median()).map_err(Clone::clone),
-        bound: Bound::at_most(1.0 / 15.0, None, " × METIS"),
-        detail: metis.as_ref().map_or(String::new(), |m| {
-            format!(
-                "{} against {}: 1/{}",
-                milliseconds(ours),
-                milliseconds(m.analyze_s.median()),
-                three_digits(m.analyze_s.median() / ours)
-            )
-        }),
-        conditions: metis.map_or(vec![], |m| {
-            let fill = case.nnz_followed / m.nnz_l;
-            vec![(format!("nnz(L) {} × METIS's", three_digits(fill)), fill <= 1.1)]
-        }),
-        aim_holds: true,
     }
 }
 

@@ -2,7 +2,6 @@
 //! the comparison calls.
 
 mod dry;
-mod follow;
 mod limits;
 mod linear;
 mod network;
@@ -17,7 +16,6 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 pub use self::dry::{Dry, Material, Stepped};
-pub use self::follow::{Follow, Followed, MOTION};
 pub use self::limits::Limits;
 pub use self::linear::{Linear, Solved};
 pub use self::network::{Build, Built};
@@ -36,8 +34,6 @@ pub enum Job {
     Dry(Dry),
     /// Networks from positions.
     Build(Build),
-    /// Orderings of a network before and after small motion.
-    Follow(Follow),
     /// The file of a system.
     Systemize(Systemize),
     /// A factorization and solves.
@@ -67,7 +63,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Job::Limits {} => give(to, &limits::measure()),
         Job::Dry(job) => give(to, &job.measure()?),
         Job::Build(job) => give(to, &job.measure()?),
-        Job::Follow(job) => give(to, &job.measure()?),
         Job::Systemize(job) => give(to, &job.write()?),
         Job::Linear(job) => give(to, &job.measure()?),
         Job::Run(job) => give(to, &job.measure()?),

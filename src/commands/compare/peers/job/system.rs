@@ -79,11 +79,6 @@ impl Meshed {
         let points = operators.pore_of.iter().map(center).collect();
         Ok(Meshed { network, operators, points })
     }
-
-    /// Corners of the pores.
-    pub fn cells(&self) -> &[[u32; 4]] {
-        &self.network.tessellation.cells
-    }
 }
 
 impl Systemize {
