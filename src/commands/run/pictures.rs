@@ -79,7 +79,12 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
 
 /// Stress by strain where the strain ends the stage, else stress and pore
 /// pressure by time.
-fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &StressPath) -> Result<()> {
+fn motion(
+    folder: &Path,
+    simulation: &Simulation,
+    stage: &StageOutcome,
+    m: &StressPath,
+) -> Result<()> {
     let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
     let wet = simulation.coupled().flow().is_some();
     let axis = match until {
