@@ -436,7 +436,7 @@ fn json_goes_where_it_was_sent() {
     let in_file = fs::read_to_string(folder.0.join("report.json")).unwrap();
     let in_file: serde_json::Value = serde_json::from_str(&in_file).unwrap();
     assert_eq!(on_stdout, in_file);
-    assert_eq!(in_file["effects_on"][0], "contacts");
+    assert_eq!(in_file["effects"]["on"][0], "contacts");
     assert_eq!(in_file["estimate"]["spheres"], 100);
     assert_eq!(folder.files(), ["report.json", "scene.toml"]);
 }

@@ -8,6 +8,7 @@ use crate::input::InputError;
 use crate::io::IoError;
 use crate::pfv::PfvError;
 use crate::solver::SolverError;
+use crate::stage_error::StageError;
 
 /// Any error of the library.
 #[derive(Debug, thiserror::Error)]
@@ -22,9 +23,13 @@ pub enum Error {
     /// The pore network cannot be built or used.
     #[error(transparent)]
     Pfv(#[from] PfvError),
+    /// Spheres and fluid cannot go on together; what mechanics, network or
+    /// solver say for themselves is in the variants of these.
+    #[error(transparent)]
+    Coupling(CouplingError),
     /// A stage cannot come to its end.
     #[error(transparent)]
-    Coupling(#[from] CouplingError),
+    Stage(#[from] StageError),
     /// The linear solver failed.
     #[error(transparent)]
     Solver(#[from] SolverError),
@@ -37,14 +42,6 @@ pub enum Error {
         solver: &'static str,
         /// What failed.
         source: SolverError,
-    },
-    /// A network cannot be built from the positions of an earlier step.
-    #[error("the network of the positions at step {step}: {source}")]
-    Snapshot {
-        /// Step at which the positions were taken.
-        step: u64,
-        /// What failed.
-        source: Box<Error>,
     },
     /// A failure of the simulation, with the step at which it arose.
     #[error("step {step}: {source}")]
@@ -69,6 +66,35 @@ impl Error {
     /// false when the simulation cannot go on (3).
     pub fn is_input(&self) -> bool {
         matches!(self, Error::Input(_))
+    }
+
+    /// Whether the state after the failure is of no use to go on from: spheres
+    /// where they cannot be, or numbers that are none. A stage that has used up
+    /// its steps and a solver that has used up the memory leave a sound one.
+    pub fn spoils_state(&self) -> bool {
+        match self {
+            Error::Dem(error) => CouplingError::from(error.clone()).spoils_state(),
+            Error::Pfv(error) => CouplingError::from(error.clone()).spoils_state(),
+            Error::Coupling(error) => error.spoils_state(),
+            Error::AtStep { source, .. } => source.spoils_state(),
+            _ => false,
+        }
+    }
+}
+
+/// Each cause has one variant, wherever it was met.
+impl From<CouplingError> for Error {
+    fn from(error: CouplingError) -> Self {
+        match error {
+            CouplingError::Dem(error) => error.into(),
+            CouplingError::Pfv(error) => error.into(),
+            CouplingError::Solver(error) => error.into(),
+            foreign @ CouplingError::ForeignState { .. } => {
+                let remedy = "take a state that this version of dempfv has made";
+                InputError::new(foreign.to_string(), remedy).into()
+            }
+            other => Error::Coupling(other),
+        }
     }
 }
 

@@ -12,6 +12,7 @@ pub mod pfv;
 pub mod scene;
 pub mod simulation;
 pub mod solver;
+mod stage_error;
 pub mod theory;
 
 pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};

@@ -17,7 +17,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("io", &["input", "domain", "solver", "pfv"]),
     ("coupling", &["dem", "pfv", "solver", "parallel", "domain"]),
     ("scene", &["coupling", "dem", "pfv", "solver", "io", "input", "domain", "error"]),
-    ("error", &["input", "io", "coupling", "dem", "pfv", "solver"]),
+    ("stage_error", &[]),
+    ("error", &["input", "io", "coupling", "dem", "pfv", "solver", "stage_error"]),
     (
         "simulation",
         &[

@@ -111,7 +111,7 @@ fn parts(c: &mut Criterion) {
         let backend = SolverKind::default().backend();
         let analyze = || backend.analyze(&matrix, Some(&points)).expect("an analysis");
         let factor = analyze().factor(&matrix).expect("a factor");
-        let works = Works::new(&flow, &*factor, coupled.dem.contacts().count());
+        let works = Works::new(&flow, &*factor, coupled.dem().contacts().count());
         println!("{count} spheres: {} pores, nnz(L) {}", flow.network.pores(), flow.nnz_l());
 
         floor.bench(&mut group, id("network"), &works.network, &pool, || {

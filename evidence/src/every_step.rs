@@ -231,7 +231,7 @@ fn measure(packing: &Path, interval: u64, update: Update) -> Result<Run, Error> 
         update_ms: per_step(Phase::Update),
         solve_ms: per_step(Phase::Solve),
         networks: coupled.remeshes(),
-        worn_out: counts.worn_out,
+        worn_out: counts.exhausted,
         applications: counts.applications as f64 / counts.solves.max(1) as f64,
         largest_estimate: counts.largest_error,
         pressures,

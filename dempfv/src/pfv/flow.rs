@@ -302,9 +302,13 @@ impl Flow {
     }
 
     /// Goes on from the pressures of an earlier flow through the same network,
-    /// so that the next solve has the same bits. Pressures of another number of
-    /// pores are ignored.
-    pub fn resume(&mut self, extrapolation: &Extrapolation) {
+    /// so that the next solve has the same bits; fluxes are those of pores that
+    /// grow at the rates given (m³/s). Values of another number of pores are
+    /// ignored.
+    pub fn resume(&mut self, extrapolation: &Extrapolation, volume_rate: &[f64]) {
+        if volume_rate.len() == self.volume_rate.len() {
+            self.volume_rate.copy_from_slice(volume_rate);
+        }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
             self.operators.pressures(&self.extrapolation.now, &mut self.pressure);

@@ -185,8 +185,8 @@ fn carry_out(plan: Plan, interval: u64, threads: usize) -> Result<End, Error> {
 
 /// The user's number of the sphere nearest to the middle of the bottom, y_min.
 fn bottom(coupled: &Coupled) -> usize {
-    let particles = coupled.dem.particles();
-    let bounds = coupled.dem.box_();
+    let particles = coupled.dem().particles();
+    let bounds = coupled.dem().box_();
     let mut middle = 0.5 * (bounds.min + bounds.max);
     middle.y = bounds.min.y;
     let off = |x: &Vec3| (x - middle).norm_squared();

@@ -94,7 +94,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
             return Ok(None);
         }
         let coupled = simulation.coupled();
-        progress.update(simulation.step(), None, || si(coupled.dem.mean_wall_stress(), "Pa"));
+        progress.update(simulation.step(), None, || si(coupled.dem().mean_wall_stress(), "Pa"));
     }
     progress.end(simulation.step(), "");
     let Some(Outcome::Compact(compaction)) =
@@ -105,7 +105,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     make_folder(&folder)?;
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
-    let particles = simulation.coupled().dem.particles().len();
+    let particles = simulation.coupled().dem().particles().len();
     Ok(Some(Report { file, particles, steps: simulation.step(), compaction: Some(compaction) }))
 }
 
@@ -175,7 +175,7 @@ fn write(
         env!("CARGO_PKG_VERSION"),
         simulation.plan().seed
     );
-    write_spheres(file, &simulation.coupled().dem, &comment)
+    write_spheres(file, simulation.coupled().dem(), &comment)
 }
 
 /// The spheres of a packing in the user's order, with their box.

@@ -11,10 +11,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use dempfv::dem::DemError;
 use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
-use dempfv::simulation::{Simulation, State};
+use dempfv::simulation::{Simulation, SimulationState};
 use dempfv::{Error, Result};
 use dempfv_report::format::si;
 use dempfv_report::json;
@@ -57,7 +56,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let folder = folder(args)?;
     let interrupted = context.interruption()?;
     let restarted_at =
-        args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
+        args.restart.as_ref().map(|path| checkpoint::load::<SimulationState>(path)).transpose()?;
     let from = restarted_at.as_ref().map(|s| (s.step(), s.time()));
     let mut simulation = match restarted_at {
         Some(state) => Simulation::restart(plan, state)?,
@@ -129,7 +128,7 @@ impl Session {
         while simulation.stage().is_some() && !stop(simulation) {
             let done = simulation.outcomes().len();
             if let Err(error) = simulation.advance() {
-                let state = match is_spoilt(&error) {
+                let state = match error.spoils_state() {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
@@ -237,23 +236,11 @@ impl Session {
     }
 }
 
-/// Whether the state after a failure is of no use to go on from: spheres where
-/// they cannot be, or numbers that are none. A stage that has used up its steps
-/// and a solver that has used up the memory leave a sound one.
-fn is_spoilt(error: &Error) -> bool {
-    match error {
-        Error::AtStep { source, .. } | Error::Snapshot { source, .. } => is_spoilt(source),
-        Error::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
-        Error::Pfv(_) => true,
-        _ => false,
-    }
-}
-
 /// What the progress line shows beside the rate.
 fn value_of_interest(simulation: &Simulation) -> String {
     let coupled = simulation.coupled();
     match simulation.stage().map(|s| &s.kind) {
-        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem.mean_wall_stress(), "Pa")),
+        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem().mean_wall_stress(), "Pa")),
         Some(StageKind::Cycle(c)) => {
             format!(
                 "σ {}  unbalanced {:.1e}",

@@ -57,7 +57,7 @@ impl EveryStep {
             most_applications: counts.most_applications,
             last_error: counts.last_error,
             largest_error: counts.largest_error,
-            worn_out: counts.worn_out,
+            worn_out: counts.exhausted,
         }
     }
 }

@@ -33,7 +33,7 @@ impl State {
 
     pub fn restore(&self, coupled: &mut Coupled) -> Result<()> {
         if let Some(angle) = self.friction_angle {
-            coupled.dem.set_friction(angle)?;
+            coupled.controls().set_friction(angle)?;
         }
         Ok(())
     }
@@ -46,23 +46,22 @@ impl State {
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         let growth = &mut self.growth;
         let coupled = &mut *context.coupled;
-        let status = coupled.time_dry(Phase::Contacts, |dem| growth.step(dem))?;
+        let status = coupled.change_mechanics(Phase::Contacts, |dem| growth.step(dem))?;
         if !status.done {
             context.clock.dt = growth.time_step();
             context.clock.bounds = None;
             context.clock.advance();
             return Ok(Progress::Running);
         }
-        coupled.dem.set_friction(context.plan.particles.friction_angle)?;
+        coupled.controls().set_friction(context.plan.particles.friction_angle)?;
         // The spheres have found their places: neighbours in space become
         // neighbours in memory.
-        coupled.dem.sort_spatially()?;
-        coupled.dem.compute_contacts()?;
+        coupled.sort_spatially()?;
         Ok(Progress::Finished(Outcome::Compact(Compaction {
             stress_pa: status.stress,
             unbalanced_force: status.unbalanced,
-            porosity: coupled.dem.porosity(),
-            coordination_number: coupled.dem.coordination_number(),
+            porosity: coupled.dem().porosity(),
+            coordination_number: coupled.dem().coordination_number(),
         })))
     }
 }

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
 use crate::coupling::Coupled;
-use crate::coupling::CouplingError;
 use crate::dem::WallControl;
 use crate::pfv::Flow;
 use crate::scene;
+use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
 use crate::simulation::outcome::{Consolidation, ConsolidationSample, Outcome, Profile};
 use crate::simulation::run::{last_cycles, last_permeability};
@@ -51,12 +51,12 @@ impl State {
         context.saturate()?;
         let (viscosity, drained, outside) = drainage(context, plan.wall)?;
 
-        let dem = &mut context.coupled.dem;
-        let before = dem.wall_stress(plan.wall);
-        dem.set_control(
+        let before = context.coupled.dem().wall_stress(plan.wall);
+        context.coupled.controls().set_control(
             plan.wall,
             WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity },
         )?;
+        let dem = context.coupled.dem();
         let load = plan.stress - before;
         let height = dem.box_().size()[axis.index()];
         Ok(State {
@@ -123,7 +123,7 @@ impl State {
             return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {
-            return Err(CouplingError::TimeFactorNotReached {
+            return Err(StageError::TimeFactorNotReached {
                 steps: self.steps,
                 time_factor: now,
                 goal: self.until,
@@ -135,7 +135,7 @@ impl State {
 
     fn sample(&self, time_factor: f64, coupled: &Coupled, flow: &Flow) -> ConsolidationSample {
         let wall = self.result.wall;
-        let position = coupled.dem.walls()[wall.index()].position;
+        let position = coupled.dem().walls()[wall.index()].position;
         let settlement = wall.inward() * (position - self.start_position);
         ConsolidationSample {
             time_factor,

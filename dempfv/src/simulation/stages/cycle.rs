@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress, strain};
-use crate::coupling::CouplingError;
 use crate::dem::WallControl;
+use crate::simulation::StageError;
 use crate::simulation::outcome::{LoadCycles, Outcome};
 use crate::{Aabb, Result, WallId, scene};
 
@@ -41,7 +41,7 @@ impl State {
             max_velocity: plan.max_velocity,
             max_steps: plan.max_steps,
             steps: 0,
-            reference: context.coupled.dem.box_(),
+            reference: context.coupled.dem().box_(),
             strain: vec![],
             stress: vec![],
         };
@@ -55,7 +55,7 @@ impl State {
 
     fn load(&self, context: &mut Context) -> Result<()> {
         let control = WallControl::Servo { stress: self.goal(), max_velocity: self.max_velocity };
-        Ok(context.coupled.dem.set_control(self.wall, control)?)
+        Ok(context.coupled.controls().set_control(self.wall, control)?)
     }
 
     /// Changes how many steps the stage may take in all.
@@ -76,11 +76,11 @@ impl State {
         {
             if self.steps >= self.max_steps {
                 let (steps, goal) = (self.steps, self.goal());
-                return Err(CouplingError::NotSettled { steps, stress, goal, unbalanced }.into());
+                return Err(StageError::NotSettled { steps, stress, goal, unbalanced }.into());
             }
             return Ok(Progress::Running);
         }
-        self.strain.push(strain(&self.reference, &context.coupled.dem.box_())[self.wall.axis()]);
+        self.strain.push(strain(&self.reference, &context.coupled.dem().box_())[self.wall.axis()]);
         self.stress.push(stress);
         if (self.strain.len() as u64) < self.holds {
             self.load(context)?;

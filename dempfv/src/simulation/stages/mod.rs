@@ -45,9 +45,9 @@ impl Active {
     pub fn start(kind: &StageKind, context: &mut Context) -> Result<Active> {
         // The last step of the stage before ends under its own friction, and
         // this one knows the stresses that it starts from; after a restart too.
-        context.coupled.dem.compute_contacts()?;
+        context.coupled.compute_contacts()?;
         for wall in WallId::ALL {
-            context.coupled.dem.set_control(wall, WallControl::Fixed)?;
+            context.coupled.controls().set_control(wall, WallControl::Fixed)?;
         }
         if !kind.is_coupled() {
             context.coupled.drain();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Progress};
-use crate::coupling::{Phase, with_users_numbers};
+use crate::coupling::{CouplingError, Phase};
 use crate::pfv::{Boundary, Flow};
 use crate::scene;
 use crate::simulation::outcome::{Outcome, PermeabilityTest};
@@ -36,7 +36,7 @@ impl State {
         saturation.fluid.boundary.pressure[lower.index()] = Some(1.0);
         saturation.fluid.boundary.pressure[lower.opposite().index()] = Some(0.0);
 
-        let dem = &context.coupled.dem;
+        let dem = context.coupled.dem();
         let particles = dem.particles();
         let mut flow = Flow::new(
             &particles.position,
@@ -45,13 +45,13 @@ impl State {
             &saturation.fluid,
             saturation.solver,
         )
-        .map_err(|e| with_users_numbers(e, particles))?;
-        context.coupled.book_flow(flow.build_times());
-        context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
+        .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
+        context.coupled.book_build(flow.build_times());
+        context.coupled.time(Phase::Solve, || flow.solve_static())?;
         let measured = flow.permeability(lower, &saturation.fluid);
         let measured = measured
             .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
-        let dem = &context.coupled.dem;
+        let dem = context.coupled.dem();
         let porosity = dem.porosity();
         Ok(Progress::Finished(Outcome::Permeability(PermeabilityTest {
             axis: axis.name().to_owned(),

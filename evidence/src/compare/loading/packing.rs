@@ -93,7 +93,7 @@ pub fn settled(bench: &Bench, count: usize) -> Result<Packing, Error> {
         while simulation.advance()? {}
         Ok::<(), Error>(())
     })?;
-    let dem = &simulation.coupled().dem;
+    let dem = simulation.coupled().dem();
     let particles = dem.particles();
     // Ten digits are what a packing file of YADE's has.
     let round = |x: f64| format!("{x:.10}").parse().unwrap_or(x);
