@@ -32,7 +32,7 @@ BUNDLE := out/bundle
 WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
+.PHONY: help build demo test lint vtk-test demo-test docs-test package-test memcheck racecheck \
 	compare compare-test compare-yade yade-test paper every-step cuda cuda-test bundle bench install-packages \
 	install-test-packages install-yade install-memcheck-packages install-peers
 
@@ -63,6 +63,10 @@ lint: install-packages
 demo-test: demo install-test-packages
 	python3 tests/check_demo.py $(DEMO)/summary.json
 	tests/vtk_read_back.sh $(DEMO)
+
+# docs.rs has none of the native libraries.
+docs-test: install-packages
+	tests/docs_rs.sh
 
 # The crates are ready to publish: they build from their own packages.
 package-test: install-packages
@@ -105,7 +109,7 @@ racecheck: install-packages ## Look for data races in the hand-over to the backg
 		cargo +nightly test -Zbuild-std --target $(shell rustc -vV | sed -n 's/host: //p') --locked -p dempfv \
 		--test coupling_background --test coupling_failures --test coupling_endurance
 
-paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md (an hour, goes on where it stopped)
+paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md (hours, goes on where it stopped)
 	$(DEMPFV) paper --out $(PAPER)
 	mkdir -p docs/paper
 	rm -f docs/paper/*.png docs/paper/*.csv
@@ -138,7 +142,7 @@ bundle: cuda ## Pack the GPU program with its libraries for another machine: out
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
 bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
-	cargo bench --locked -p dempfv-evidence
+	cargo bench --locked -p dempfv-evidence --bench dem --bench coupled
 
 install-packages:
 	@tests/install.sh $(PACKAGES)

@@ -1,5 +1,6 @@
-//! Analysis and factorization by themselves: with the BLAS on all cores, which the program
-//! itself never does (the bits of its results would depend on their number), and on a GPU.
+//! CHOLMOD's analysis and factorization by themselves: with the BLAS on all cores, which the
+//! program itself never does (the bits of its results would depend on their number), and on
+//! a GPU.
 
 use std::time::Instant;
 
@@ -27,10 +28,10 @@ pub struct Factored {
 pub fn measure(bench: &Bench, specimen: &Specimen, threads: usize) -> Result<Factored, Error> {
     let packing = specimen.packing(bench)?;
     let name = name(specimen);
-    bench.remembered(&name, &(specimen.origin(), threads), || {
+    bench.remembered(&name, &input(specimen, threads), || {
         bench.step(&name, || {
             let blas = threads;
-            factor(&Input::of(specimen, &packing)?, SolverKind::default(), blas, 1)
+            factor(&Input::of(specimen, &packing)?, SolverKind::Cholmod, blas, 1)
         })
     })
 }
@@ -44,7 +45,12 @@ pub fn known(
     specimen: &Specimen,
     threads: usize,
 ) -> Result<Option<Factored>, Error> {
-    bench.known(&name(specimen), &(specimen.origin(), threads))
+    bench.known(&name(specimen), &input(specimen, threads))
+}
+
+/// What a measurement depends on.
+fn input(specimen: &Specimen, threads: usize) -> (&'static str, String, usize) {
+    (SolverKind::Cholmod.name(), specimen.origin(), threads)
 }
 
 /// Name of a measurement.

@@ -1,5 +1,5 @@
-//! A specimen on a machine with a GPU: the same run with the factorizations on the GPU and
-//! on one core of that machine, so that ratios are of one machine.
+//! A specimen on a machine with a GPU: the same run with CHOLMOD's factorizations on the GPU
+//! and on one core of that machine, so that ratios are of one machine and one solver.
 
 use std::path::{Path, PathBuf};
 
@@ -40,9 +40,9 @@ pub struct OnGpu {
     pub with_gpu: Timing,
     /// Factorization on the GPU, the fastest of four in one process.
     pub warm: Factored,
-    /// The same on one core.
+    /// The same with CHOLMOD on one core.
     pub one_core: Timing,
-    /// Factorization on the CPU with the BLAS on all cores.
+    /// CHOLMOD's factorization on the CPU with the BLAS on all cores.
     pub all_cores: Factored,
     /// Number of these cores.
     pub threads: usize,
@@ -64,7 +64,7 @@ pub fn measure(
         return Ok(None);
     }
     // Kept one by one: a call that is cut off goes on from there.
-    let one_core = timing::measure(bench, specimen, Mode::OneCore, 1)?;
+    let one_core = timing::measure(bench, specimen, Mode::Cholmod, 1)?;
     let all_cores = factored::measure(bench, specimen, threads)?;
     // What another device has done must not stand for this one.
     let with_gpu = timing::run(bench, specimen, Mode::Gpu, threads)?;

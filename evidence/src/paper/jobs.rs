@@ -18,7 +18,7 @@ use crate::bench::Bench;
 
 /// A run without any acceleration is made where it takes no longer than this (s); else its
 /// total is composed.
-const AFFORDABLE: f64 = 300.0;
+const AFFORDABLE: f64 = 3600.0;
 
 /// One point of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,12 +196,12 @@ impl Job {
                 Ok(Need { time, memory: 0.0 })
             }
             Job::Factored(specimen) => {
-                let e = expected(&specimen, Mode::AllCores)?;
+                let e = expected(&specimen, Mode::Cholmod)?;
                 Ok(Need { time: e.remesh, memory: e.memory })
             }
             // The CPU takes most of the time, once for each way to use it.
             Job::OnGpu(specimen) => {
-                let e = expected(&specimen, Mode::OneCore)?;
+                let e = expected(&specimen, Mode::Cholmod)?;
                 let steps = specimen.steps as f64 * specimen.repeats as f64;
                 Ok(Need { time: 7.0 * e.remesh + 2.0 * steps * e.step, memory: e.memory })
             }
@@ -271,14 +271,15 @@ mod tests {
 
     /// 2 cores and 24 GiB are the machine that the series is made for.
     #[test]
-    fn the_series_fits_two_cores_and_24_gib_and_90_minutes() {
+    fn the_series_fits_two_cores_and_24_gib_and_six_hours() {
         let jobs = all_jobs();
         assert_eq!(jobs.left_out, Vec::<String>::new());
         let total: f64 = jobs.list.iter().map(|p| p.need.time).sum();
-        assert!(total < 90.0 * 60.0, "{total} s");
+        assert!(total < 6.0 * 3600.0, "{total} s");
     }
 
-    /// One size at a time, small ones first; no run without acceleration that takes long.
+    /// One size at a time, small ones first; a run without acceleration where it takes under
+    /// an hour, which the smaller sizes do.
     #[test]
     fn what_is_quick_comes_first() {
         let jobs = all_jobs();
@@ -293,7 +294,7 @@ mod tests {
         assert!(spheres.is_sorted());
         let plain = |p: &&Planned| matches!(p.job, Job::Run { mode: Mode::Plain, .. });
         assert!(jobs.list.iter().filter(plain).all(|p| p.need.time <= AFFORDABLE));
-        assert_eq!(jobs.list.iter().filter(plain).count(), 2, "1,000 and 5,000 spheres are quick");
+        assert!(jobs.list.iter().filter(plain).count() >= 3, "20,000 spheres take minutes");
     }
 
     #[test]

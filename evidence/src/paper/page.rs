@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use dempfv::io::atomic;
+use dempfv::solver::{FRONTAL_FROM, SolverKind};
+use dempfv_report::format::count;
 use dempfv_report::{machine, versions};
 
 use super::draw::FOLDER;
@@ -62,12 +64,16 @@ fn head(measured: &Measured, machine: &Machine) -> String {
          The figures have the numbers of Caulk, Catalano and Chareyre (2020). The specimens are \
          cubes of spheres that have settled at 1 kPa, with the paper's load, time step (1 µs), \
          viscosity and drainage; the largest has as many unknown pressures as the paper's. The \
+         solver is the default one, `{}`, where no other is named: CHOLMOD below {} unknowns, the \
+         frontal solver from there on. The \
          paper's times are those of its own machines, so ratios compare and times do not.\n\n\
          Measured on {machine}. Machine: {}. dempfv {} ({}), CHOLMOD {} (SuiteSparse {}), METIS \
          {}, CGAL {}, {blas}, rustc {}. Times by the clock, of the fastest of three runs up to \
          40,000 spheres and of single runs above, on a machine whose speed drifts by tens of per \
          cent.\n\n",
         machine::today(),
+        SolverKind::default(),
+        count(FRONTAL_FROM as u64),
         machine::description(),
         of("dempfv"),
         revisions(measured),

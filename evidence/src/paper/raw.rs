@@ -18,7 +18,7 @@ pub fn csv(measured: &Measured) -> String {
         for on in &row.gpu {
             text += &line(row, &on.name, Mode::Gpu.name(), false, &on.with_gpu);
             let beside = format!("cpu beside {}", on.name);
-            text += &line(row, &beside, Mode::OneCore.name(), false, &on.one_core);
+            text += &line(row, &beside, Mode::Cholmod.name(), false, &on.one_core);
         }
     }
     text

@@ -7,6 +7,7 @@ use dempfv::Vec3;
 use dempfv::coupling::Coupled;
 use dempfv::scene::Plan;
 use dempfv::simulation::Simulation;
+use dempfv::solver::SolverKind;
 use dempfv_report::versions;
 use serde::{Deserialize, Serialize};
 
@@ -154,13 +155,15 @@ impl Run {
 }
 
 fn scene(packing: &Path, interval: u64) -> String {
+    // By name, as in the runs of the other figures.
+    let solver = SolverKind::default();
     format!(
         "title = \"Remesh every {interval} steps\"\n\
          [particles]\npacking = {packing:?}\ndensity = 2600.0\nyoung = 1.0e6\n\
          stiffness_ratio = 0.5\nfriction_angle = 30.0\n\
          [dem]\ndt = 1.0e-6\ndamping = 0.2\n\
          [fluid]\nviscosity = 1.0e-3\npressure = {{ y_max = 0.0 }}\n\
-         remesh_interval = {interval}\n\
+         remesh_interval = {interval}\nsolver = \"{solver}\"\n\
          [[stage]]\nkind = \"run\"\nsteps = {STEPS}\nwalls = {{ y_max = {{ stress = {LOAD:?} }} }}\n"
     )
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
+use dempfv::solver::{GpuOptions, SolverKind};
 use dempfv_report::machine;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -51,6 +52,10 @@ pub enum Mode {
     /// The plain path with the swap points of `Accelerated`: one core, one task after another,
     /// networks of the same positions in use over the same steps.
     Ahead,
+    /// As `OneCore`, with CHOLMOD, the paper's solver, instead of the default one.
+    Cholmod,
+    /// As `Accelerated`, with CHOLMOD.
+    AcceleratedCholmod,
     /// As `AllCores`, with the factorization on a GPU; not one of [`Mode::ALL`], which every
     /// machine can run.
     Gpu,
@@ -58,7 +63,7 @@ pub enum Mode {
 
 impl Mode {
     /// Every mode that needs no GPU.
-    pub const ALL: [Mode; 8] = [
+    pub const ALL: [Mode; 10] = [
         Mode::OneCore,
         Mode::AllCores,
         Mode::Tasks,
@@ -67,6 +72,8 @@ impl Mode {
         Mode::Background,
         Mode::Accelerated,
         Mode::Ahead,
+        Mode::Cholmod,
+        Mode::AcceleratedCholmod,
     ];
 
     /// Its name in files.
@@ -80,45 +87,61 @@ impl Mode {
             "background",
             "accelerated",
             "ahead",
+            "cholmod",
+            "accelerated-cholmod",
             "gpu",
         ][self as usize]
+    }
+
+    /// True for the paper's steps from the first to the last; else for those after one remesh.
+    const fn is_whole(self) -> bool {
+        match self {
+            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Ahead => true,
+            Mode::Accelerated | Mode::AcceleratedCholmod => true,
+            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Cholmod | Mode::Gpu => false,
+        }
     }
 
     /// Threads that it runs on where there are `all`.
     pub const fn threads(self, all: usize) -> usize {
         match self {
-            Mode::OneCore | Mode::Plain | Mode::Reuse | Mode::Ahead => 1,
-            Mode::AllCores | Mode::Tasks | Mode::Background | Mode::Accelerated | Mode::Gpu => all,
+            Mode::OneCore | Mode::Plain | Mode::Reuse | Mode::Ahead | Mode::Cholmod => 1,
+            Mode::AllCores | Mode::Tasks | Mode::Gpu => all,
+            Mode::Background | Mode::Accelerated | Mode::AcceleratedCholmod => all,
         }
     }
 
     /// Steps of a specimen's run.
     pub const fn steps(self, specimen: &Specimen) -> u64 {
-        match self {
-            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => STEPS,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.steps,
-        }
+        if self.is_whole() { STEPS } else { specimen.steps }
     }
 
     /// Steps from one remesh to the next.
     pub const fn interval(self, specimen: &Specimen) -> u64 {
         match self {
             Mode::Plain => 1,
-            Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => INTERVAL,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.steps,
+            _ if self.is_whole() => INTERVAL,
+            _ => specimen.steps,
         }
     }
 
     /// True where remeshes do not stop the time loop.
     pub const fn is_in_background(self) -> bool {
-        matches!(self, Mode::Background | Mode::Accelerated)
+        matches!(self, Mode::Background | Mode::Accelerated | Mode::AcceleratedCholmod)
     }
 
     /// Runs of which the fastest counts.
     pub const fn repeats(self, specimen: &Specimen) -> usize {
+        if self.is_whole() { 1 } else { specimen.repeats }
+    }
+
+    /// The solver. It is named in the scene, so that times of one do not pass for those of
+    /// another when the default changes.
+    fn solver(self) -> SolverKind {
         match self {
-            Mode::Plain | Mode::Reuse | Mode::Background | Mode::Accelerated | Mode::Ahead => 1,
-            Mode::OneCore | Mode::AllCores | Mode::Tasks | Mode::Gpu => specimen.repeats,
+            Mode::Cholmod | Mode::AcceleratedCholmod => SolverKind::Cholmod,
+            Mode::Gpu => SolverKind::CholmodGpu(GpuOptions::default()),
+            _ => SolverKind::default(),
         }
     }
 
@@ -126,11 +149,13 @@ impl Mode {
     const fn keys(self) -> &'static str {
         match self {
             Mode::OneCore | Mode::AllCores | Mode::Plain | Mode::Reuse => "",
+            Mode::Cholmod | Mode::Gpu => "",
             Mode::Tasks => "parallel_tasks = true",
             Mode::Ahead => "remesh = \"ahead\"",
-            Mode::Gpu => "solver = \"cholmod-gpu\"",
             Mode::Background => "remesh = \"background\"",
-            Mode::Accelerated => "remesh = \"background\"\nparallel_tasks = true",
+            Mode::Accelerated | Mode::AcceleratedCholmod => {
+                "remesh = \"background\"\nparallel_tasks = true"
+            }
         }
     }
 }
@@ -220,14 +245,15 @@ fn point(specimen: &Specimen, mode: Mode, threads: usize) -> (String, String) {
 /// The paper's oedometer: 1 kPa on a wall that is drained, every other wall stands still and
 /// lets nothing through.
 pub fn scene(packing: &Path, specimen: &Specimen, mode: Mode) -> String {
-    let (steps, interval, keys) = (mode.steps(specimen), mode.interval(specimen), mode.keys());
+    let (steps, interval) = (mode.steps(specimen), mode.interval(specimen));
+    let (solver, keys) = (mode.solver(), mode.keys());
     format!(
         "title = \"{} spheres\"\n\
          [particles]\npacking = {packing:?}\ndensity = 2600.0\nyoung = 1.0e6\n\
          stiffness_ratio = 0.5\nfriction_angle = 30.0\n\
          [dem]\ndt = 1.0e-6\ndamping = 0.2\n\
          [fluid]\nviscosity = 1.0e-3\npressure = {{ y_max = 0.0 }}\n\
-         remesh_interval = {interval}\n{keys}\n\
+         remesh_interval = {interval}\nsolver = \"{solver}\"\n{keys}\n\
          [[stage]]\nkind = \"run\"\nsteps = {steps}\nwalls = {{ y_max = {{ stress = {STRESS:?} }} }}\n\
          [output]\nhistory_every = {interval}\npictures = false\n",
         specimen.spheres

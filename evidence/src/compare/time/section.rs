@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dempfv::solver::{FRONTAL_FROM, SolverKind};
 use dempfv_report::format::{bytes, count, three_digits};
 use dempfv_report::plot::{Axis, Mark, SERIES, Series, xy};
 
@@ -17,7 +18,7 @@ const DISTURBED: f64 = 0.1;
 /// The section; its figure goes into the folder.
 pub fn write(part: &Part, folder: &Path) -> Result<String, Error> {
     draw(part, folder)?;
-    let mut text = INTRODUCTION.to_owned();
+    let mut text = introduction();
     if let Some(busy) = part.busy_cores.filter(|&busy| busy > DISTURBED) {
         text += &format!(
             "\n**Other programs kept {busy:.1} cores busy just before: these times are rough.**\n"
@@ -55,7 +56,9 @@ fn threads(n: usize) -> String {
     if n == 1 { "1 thread".to_owned() } else { format!("{n} threads") }
 }
 
-const INTRODUCTION: &str = "\
+fn introduction() -> String {
+    format!(
+        "\
 ## Time and memory
 
 The specimen of Caulk et al. (2020): E = 1 MPa, k_s/k_n = 0.5, 30° friction, 1 kPa held on `y_max` by a \
@@ -65,9 +68,13 @@ same machine with the same number of threads, each in a process of its own.
 YADE's times are its own: `execTime` of its engines and `FlowEngine.timingDeltas`, read after every step \
 (the reading not counted). Ours are `phases_ms` of `summary.json`. A remesh is what the steps with a new \
 network take beyond the others: triangulation, throats, ordering, analysis, factorization. YADE's first \
-step, with its collider's first sort, is not counted; ours is. Our solve runs on one core whatever the \
-number of threads, so that results do not depend on it.
-";
+step, with its collider's first sort, is not counted; ours is. Ours factors and solves by its \
+default, `{}`: CHOLMOD below {} unknowns, its frontal solver from there on, which uses all threads.
+",
+        SolverKind::default(),
+        count(FRONTAL_FROM as u64),
+    )
+}
 
 /// Time per step, remeshes included, and memory: the figures to quote.
 fn summary(part: &Part) -> String {

@@ -1,12 +1,12 @@
 //! Each acceleration on its own.
 
 use dempfv_report::format::three_digits;
+use dempfv_report::markdown::{self, cell};
 
 use super::speed::show;
 use crate::paper::measured::{Measured, Row};
 use crate::paper::specimens::ALONE;
 use crate::paper::timing::{INTERVAL, Mode, STEPS};
-use dempfv_report::markdown::{self, cell};
 
 /// Wall time of the paper's steps (s), where it was measured.
 type Total = fn(&Row) -> Option<f64>;
@@ -14,7 +14,7 @@ type Total = fn(&Row) -> Option<f64>;
 /// What each acceleration does to the time of 600 steps.
 pub fn section(measured: &Measured) -> String {
     let all = measured.all_cores();
-    let rows: [(String, Total); 7] = [
+    let rows: [(String, Total); 9] = [
         ("none, 1 core (composed)".to_owned(), |row| composed(row, Mode::OneCore, Mode::OneCore)),
         ("none, 1 core, analyses only where the pattern changed".to_owned(), |row| {
             through(row, Mode::Plain)
@@ -26,6 +26,10 @@ pub fn section(measured: &Measured) -> String {
         ("factor reuse alone, 1 core".to_owned(), |row| through(row, Mode::Reuse)),
         (format!("factor reuse and background, {all}"), |row| through(row, Mode::Background)),
         (format!("all together, {all}"), |row| through(row, Mode::Accelerated)),
+        ("none, CHOLMOD, 1 core (composed)".to_owned(), |row| {
+            composed(row, Mode::Cholmod, Mode::Cholmod)
+        }),
+        (format!("all together, CHOLMOD, {all}"), |row| through(row, Mode::AcceleratedCholmod)),
     ];
     let specimens: Vec<&Row> = ALONE.iter().filter_map(|&spheres| measured.row(spheres)).collect();
     let mut header = vec![format!("{STEPS} steps")];

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use dempfv_report::format::{si, three_digits};
+use dempfv_report::markdown::{self, cell};
 use dempfv_report::plot::Axis;
 
 use super::UNKNOWNS;
@@ -11,7 +12,6 @@ use crate::Error;
 use crate::paper::draw::{self, Curve};
 use crate::paper::measured::{Measured, Row};
 use crate::paper::timing::Mode;
-use dempfv_report::markdown::{self, cell};
 
 /// How many times faster a step is with the fluid's tasks beside the contacts (1).
 pub fn gain(row: &Row) -> Option<f64> {

@@ -63,9 +63,13 @@ impl Figure {
             Figure::Acceleration if alone => Mode::ALL.to_vec(),
             _ if !specimen.is_cube() => vec![],
             Figure::Remesh | Figure::Build => vec![],
-            Figure::Acceleration => vec![Mode::OneCore, Mode::Plain, Mode::Accelerated],
-            Figure::Factor | Figure::Parts => vec![Mode::OneCore, Mode::AllCores],
-            Figure::Speed => vec![Mode::OneCore, Mode::AllCores, Mode::Accelerated],
+            Figure::Acceleration => {
+                vec![Mode::OneCore, Mode::Plain, Mode::Accelerated, Mode::Cholmod]
+            }
+            Figure::Factor | Figure::Parts => vec![Mode::OneCore, Mode::AllCores, Mode::Cholmod],
+            Figure::Speed => {
+                vec![Mode::OneCore, Mode::AllCores, Mode::Accelerated, Mode::Cholmod]
+            }
             Figure::Gain => vec![Mode::AllCores, Mode::Tasks],
         }
     }
@@ -92,11 +96,15 @@ impl Figure {
 /// Label of the axis of all figures over the size.
 const UNKNOWNS: &str = "Unknown pressures";
 
-/// A device that runs were made on.
+/// A device that runs were made on; with the default solver, but for those whose name has
+/// another.
 #[derive(Clone, Copy)]
 enum Device<'a> {
     OneCore,
     AllCores,
+    /// One core, with CHOLMOD.
+    Cholmod,
+    /// CHOLMOD, with the factorization on this one.
     Gpu(&'a str),
 }
 
@@ -104,13 +112,14 @@ impl<'a> Device<'a> {
     /// Every device that there are runs on.
     fn all(measured: &'a Measured) -> Vec<Device<'a>> {
         let gpus = measured.gpus().into_iter().map(Device::Gpu);
-        [Device::OneCore, Device::AllCores].into_iter().chain(gpus).collect()
+        [Device::OneCore, Device::AllCores, Device::Cholmod].into_iter().chain(gpus).collect()
     }
 
     fn name(self, measured: &Measured) -> String {
         match self {
             Device::OneCore => "1 core".to_owned(),
             Device::AllCores => measured.all_cores(),
+            Device::Cholmod => "CHOLMOD, 1 core".to_owned(),
             Device::Gpu(name) => name.to_owned(),
         }
     }
@@ -120,6 +129,7 @@ impl<'a> Device<'a> {
         match self {
             Device::OneCore => row.timing(Mode::OneCore),
             Device::AllCores => row.timing(Mode::AllCores),
+            Device::Cholmod => row.timing(Mode::Cholmod),
             Device::Gpu(name) => row.on_gpu(name).map(|on| &on.with_gpu),
         }
     }

@@ -14,9 +14,9 @@ use crate::paper::timing::Timing;
 
 pub fn section(measured: &Measured, folder: &Path) -> Result<String, Error> {
     let mut text = "## Figure 10: solve, volumes, forces\n\n".to_owned();
-    text += "Means over the steps after one remesh. The solve is CHOLMOD's, on one core; the first \
-             steps after a remesh solve twice, and the first of all once more for the wall's \
-             resistance.\n\n";
+    text += "Means over the steps after one remesh. The first steps after a remesh solve \
+             twice, and the first of all once more for the wall's resistance. CHOLMOD solves on \
+             one core.\n\n";
     for (phase, file, title) in [
         ("solve", "fig-10a", "Solve"),
         ("volume_rates", "fig-10b", "Volumes"),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use dempfv_report::format::{bytes, count, three_digits};
+use dempfv_report::markdown::{self, cell};
 use dempfv_report::plot::Axis;
 
 use super::build::{device_table, unknowns};
@@ -11,7 +12,6 @@ use crate::Error;
 use crate::paper::draw::{self, Curve};
 use crate::paper::measured::{Measured, Row};
 use crate::paper::timing::{INTERVAL, Mode, STEPS, Timing};
-use dempfv_report::markdown::{self, cell};
 
 /// The paper's 600 steps of one specimen.
 #[derive(Clone, Copy)]
@@ -48,7 +48,11 @@ pub fn acceleration(row: &Row) -> Option<Acceleration> {
 }
 
 fn composed(row: &Row) -> Option<f64> {
-    let one = row.timing(Mode::OneCore)?;
+    composed_of(row.timing(Mode::OneCore)?)
+}
+
+/// So many remeshes and steps, from what one of each takes in a run.
+fn composed_of(one: &Timing) -> Option<f64> {
     Some(STEPS as f64 * (one.remesh() + one.step()))
 }
 
@@ -87,6 +91,7 @@ pub fn acceleration_section(measured: &Measured, folder: &Path) -> Result<String
             cell(a, |a| show(a.analyses)),
             cell(row.timing(Mode::Plain), |t| show(t.number("wall_s"))),
             cell(row.timing(Mode::Plain), |t| format!("{:.0}", t.analyses())),
+            cell(row.timing(Mode::Cholmod).and_then(composed_of), show),
             cell(row.timing(Mode::Accelerated), |t| show(t.number("wall_s"))),
             cell(a, |a| three_digits(a.factor())),
             cell(row.timing(Mode::Accelerated), |t| bytes(t.number("peak_memory_bytes"))),
@@ -99,6 +104,7 @@ pub fn acceleration_section(measured: &Measured, folder: &Path) -> Result<String
         "of it analyses (s)",
         "none, measured (s)",
         "analyses in it",
+        "none with CHOLMOD, composed (s)",
         "all but the GPU (s)",
         "faster by",
         "its peak memory",
