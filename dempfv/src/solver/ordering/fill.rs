@@ -1,6 +1,6 @@
 //! What an ordering fills in.
 
-use super::super::tree::{self, NONE};
+use super::super::elimination_tree::{self as tree, NONE};
 use super::super::{SolverError, SymmetricCsc, require_size};
 
 /// Entries of the factor L of a matrix whose unknowns are eliminated in an order, the

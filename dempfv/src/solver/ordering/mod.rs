@@ -9,19 +9,19 @@
 //! The same ordering for any number of threads, and no random numbers.
 
 mod band;
-mod block;
-mod degree;
+mod dissection;
 mod fill;
-mod flow;
 mod graph;
+mod max_flow;
+mod minimum_degree;
 
 use super::{SolverError, SymmetricCsc, require_size};
-use block::Block;
+use dissection::Dissection;
 pub use fill::factor_entries;
 use graph::Graph;
 
 /// Parts of no more vertices than this are ordered by one thread, in place.
-const BLOCK: usize = 8192;
+const SERIAL_VERTICES: usize = 8192;
 
 /// Orders the unknowns of a matrix by its pattern and one point each (any unit):
 /// entry k of the result is the unknown that is eliminated as the k-th.
@@ -63,15 +63,15 @@ pub(super) fn minimum_cuts(a: &SymmetricCsc, points: &[[f64; 3]]) -> Vec<i64> {
 
 /// Writes the order of a part: both sides of a cut, then the cut.
 fn dissect(graph: Graph, out: &mut [i64]) {
-    let mut block = Block::new(graph);
-    let cut = if out.len() > BLOCK { block.cut_whole(out) } else { None };
+    let mut dissection = Dissection::new(graph);
+    let cut = if out.len() > SERIAL_VERTICES { dissection.cut_whole(out) } else { None };
     let Some((left, right)) = cut else {
-        block.order(out);
+        dissection.order(out);
         return;
     };
     let (first, rest) = out.split_at_mut(left.len());
     let second = &mut rest[..right.len()];
-    let (left, right) = rayon::join(|| block.extract(&left), || block.extract(&right));
-    drop(block);
+    let (left, right) = rayon::join(|| dissection.extract(&left), || dissection.extract(&right));
+    drop(dissection);
     rayon::join(|| dissect(left, first), || dissect(right, second));
 }

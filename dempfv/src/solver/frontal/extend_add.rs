@@ -1,8 +1,9 @@
-//! What fronts leave is added to their parents' fronts.
+//! The extend-add: contribution blocks of children are added to the parent's front, by the relative
+//! indices of their rows in it (Schreiber 1982; Liu 1992).
 
 use rayon::prelude::*;
 
-use super::numeric::Update;
+use super::numeric::ContributionBlock;
 use super::shape::{Rows, Shape, TILE};
 use super::symbolic::Pattern;
 
@@ -16,7 +17,7 @@ struct Segment {
     target: Rows,
     offset: usize,
     /// The rows follow each other in the parent too.
-    together: bool,
+    contiguous: bool,
 }
 
 /// Rows `range` of a child in a parent of the given shape, whose row 0 is row
@@ -27,7 +28,7 @@ fn segments(
     parent: Shape,
     base: usize,
 ) -> Vec<Segment> {
-    let source = Shape { width: map.len(), edge: 0 };
+    let source = Shape { width: map.len(), border: 0 };
     let mut out = vec![];
     let mut from = range.start;
     while from < range.end {
@@ -37,9 +38,9 @@ fn segments(
         let end = range.end.min(tile.start + tile.len);
         let limit = (target.start + target.len + base) as u32;
         let to = from + map[from..end].partition_point(|&row| row < limit);
-        let together = map[to - 1] as usize - base - first == to - 1 - from;
+        let contiguous = map[to - 1] as usize - base - first == to - 1 - from;
         let offset = first - target.start;
-        out.push(Segment { from, to, source: tile, target, offset, together });
+        out.push(Segment { from, to, source: tile, target, offset, contiguous });
         from = to;
     }
     out
@@ -56,7 +57,7 @@ struct Addition<'a> {
 
 impl Addition<'_> {
     fn columns(&self, columns: std::ops::Range<usize>, panel: usize, out: &mut [f32]) {
-        let source = Shape { width: self.map.len(), edge: 0 };
+        let source = Shape { width: self.map.len(), border: 0 };
         let mut first = 0;
         for column in columns {
             let target = self.map[column] as usize - self.base - panel * TILE;
@@ -76,7 +77,7 @@ impl Addition<'_> {
                 let column = self.parent.tile_start(panel, segment.target.start)
                     + target * segment.target.len;
                 let column = &mut out[column..column + segment.target.len];
-                if segment.together {
+                if segment.contiguous {
                     let to = segment.offset + from - segment.from;
                     let out = &mut column[to..to + values.len()];
                     out.iter_mut().zip(values).for_each(|(x, v)| *x += v);
@@ -92,24 +93,36 @@ impl Addition<'_> {
 }
 
 /// Adds to the columns that the parent eliminates.
-pub fn pivots(pattern: &Pattern, children: &[Update], shape: Shape, l: &mut [f32], shared: bool) {
-    add(pattern, children, shape, 0..shape.width, l, shared);
+pub fn pivot_columns(
+    pattern: &Pattern,
+    children: &[ContributionBlock],
+    shape: Shape,
+    l: &mut [f32],
+    parallel: bool,
+) {
+    add(pattern, children, shape, 0..shape.width, l, parallel);
 }
 
 /// Adds to what the parent leaves to its own parent.
-pub fn rest(pattern: &Pattern, children: &[Update], shape: Shape, out: &mut [f32], shared: bool) {
-    let square = Shape { width: shape.edge, edge: 0 };
-    add(pattern, children, square, shape.width..shape.height(), out, shared);
+pub fn schur_complement(
+    pattern: &Pattern,
+    children: &[ContributionBlock],
+    shape: Shape,
+    out: &mut [f32],
+    parallel: bool,
+) {
+    let square = Shape { width: shape.border, border: 0 };
+    add(pattern, children, square, shape.width..shape.height(), out, parallel);
 }
 
 /// Adds the columns of the children that lie in `range` of the parent's front.
 fn add(
     pattern: &Pattern,
-    children: &[Update],
+    children: &[ContributionBlock],
     parent: Shape,
     range: std::ops::Range<usize>,
     out: &mut [f32],
-    shared: bool,
+    parallel: bool,
 ) {
     if parent.width == 0 || children.is_empty() {
         return;
@@ -118,7 +131,7 @@ fn add(
     let lists: Vec<Vec<Segment>> = children
         .iter()
         .map(|child| {
-            let map = pattern.map_of(child.from);
+            let map = pattern.relative_indices(child.from);
             let from = map.partition_point(|&row| (row as usize) < base);
             segments(map, from..map.len(), parent, base)
         })
@@ -127,22 +140,22 @@ fn add(
         let from = (base + panel * TILE) as u32;
         let to = from + parent.panel_width(panel) as u32;
         for (child, segments) in children.iter().zip(&lists) {
-            let map = pattern.map_of(child.from);
+            let map = pattern.relative_indices(child.from);
             let columns =
                 map.partition_point(|&row| row < from)..map.partition_point(|&row| row < to);
             let addition = Addition { map, entries: &child.entries, segments, parent, base };
             addition.columns(columns, panel, out);
         }
     };
-    let mut rest = out;
+    let mut schur_complement = out;
     let mut panels = vec![];
     for k in 0..parent.panels() {
         let size = parent.panel_width(k) * (parent.height() - k * TILE);
-        let (this, after) = std::mem::take(&mut rest).split_at_mut(size);
-        rest = after;
+        let (this, after) = std::mem::take(&mut schur_complement).split_at_mut(size);
+        schur_complement = after;
         panels.push((k, this));
     }
-    if shared && panels.len() > 1 {
+    if parallel && panels.len() > 1 {
         panels.into_par_iter().for_each(|(k, out)| panel(k, out));
     } else {
         panels.into_iter().for_each(|(k, out)| panel(k, out));

@@ -5,11 +5,11 @@ use super::graph::Graph;
 const NONE: u32 = u32::MAX;
 
 /// Parts that need more words than this (32 MiB) are not small.
-const MOST_WORDS: usize = 1 << 22;
+const MAX_BIT_WORDS: usize = 1 << 22;
 
 /// Work arrays of the ordering of small parts.
 #[derive(Default)]
-pub(super) struct Leaf {
+pub(super) struct MinimumDegree {
     /// A row of bits for each vertex: its neighbours.
     rows: Vec<u64>,
     degree: Vec<u32>,
@@ -18,7 +18,7 @@ pub(super) struct Leaf {
     sequence: Vec<u32>,
 }
 
-impl Leaf {
+impl MinimumDegree {
     /// Sorts the vertices of a part, those with a label: always the one with the
     /// fewest neighbours among those that are left and those around, the first of
     /// several. Exact, since every elimination joins the neighbours at once; only
@@ -35,7 +35,7 @@ impl Leaf {
         let n = vertices.len();
         let all = self.renumber(graph, vertices, labels, label, number);
         let words = all.div_ceil(64);
-        if n * words > MOST_WORDS {
+        if n * words > MAX_BIT_WORDS {
             vertices.sort_by_key(|&v| graph.neighbors(v).len());
             return;
         }
@@ -97,7 +97,7 @@ impl Leaf {
 
     #[inline(always)]
     fn eliminate(&mut self, n: usize, words: usize) {
-        let Leaf { rows, degree, pivot, sequence, .. } = self;
+        let MinimumDegree { rows, degree, pivot, sequence, .. } = self;
         sequence.clear();
         pivot.clear();
         pivot.resize(words, 0);

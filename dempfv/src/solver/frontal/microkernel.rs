@@ -1,14 +1,15 @@
-//! Products with tiles and triangular solves, vector by vector, for callers that
-//! were dispatched to a vector unit.
+//! Products with tiles and triangular solves, vector by vector, for callers that were dispatched to a
+//! vector unit: sums stay in registers, as in the microkernels of Goto and van de Geijn (2008).
 
-use pulp::{MemMask, Simd};
+use pulp::Simd;
 
-use super::pivot::STRIP;
+use super::pivot::PIVOT_BLOCK;
+use super::tail::Tail;
 
 /// Columns of more entries are read one after the other: several at once
 /// are more streams than the processor fetches ahead, and take twice as
 /// long from memory. Of shorter ones several share the work around them.
-const LONG: usize = 64;
+const LONG_COLUMN_ROWS: usize = 64;
 
 /// y = y - A x for columns that are `stride` apart.
 #[inline(always)]
@@ -16,7 +17,7 @@ pub fn subtract_times<S: Simd>(simd: S, y: &mut [f32], a: &[f32], stride: usize,
     if y.is_empty() {
         return;
     }
-    if y.len() > LONG {
+    if y.len() > LONG_COLUMN_ROWS {
         for (k, &x) in x.iter().enumerate() {
             let column = &a[k * stride..k * stride + y.len()];
             subtract_column(simd, y, column, x);
@@ -51,36 +52,6 @@ fn subtract_column<S: Simd>(simd: S, y: &mut [f32], column: &[f32], x: f32) {
     }
     for (y, &a) in y_rest.iter_mut().zip(a_rest) {
         *y -= a * x;
-    }
-}
-
-/// The first lanes of a vector, where fewer entries than lanes are left.
-#[derive(Clone, Copy)]
-pub struct Tail<S: Simd> {
-    mask: MemMask<S::m32s>,
-    len: usize,
-}
-
-impl<S: Simd> Tail<S> {
-    #[inline(always)]
-    pub fn new(simd: S, len: usize) -> Tail<S> {
-        // Without the mask's own functions, which are called and not inlined.
-        Tail { mask: MemMask::new(simd.mask_between_m32s(0, len as u32).mask()), len }
-    }
-
-    /// The entries, and zeros.
-    #[inline(always)]
-    pub fn load(self, simd: S, x: &[f32]) -> S::f32s {
-        let x = &x[..self.len];
-        // SAFETY: the mask enables the lanes of these entries only.
-        unsafe { simd.mask_load_ptr_f32s(self.mask, x.as_ptr()) }
-    }
-
-    #[inline(always)]
-    fn store(self, simd: S, x: &mut [f32], values: S::f32s) {
-        let x = &mut x[..self.len];
-        // SAFETY: as above.
-        unsafe { simd.mask_store_ptr_f32s(self.mask, x.as_mut_ptr(), values) }
     }
 }
 
@@ -123,14 +94,14 @@ fn subtract_columns<S: Simd, const N: usize>(
     }
 }
 
-/// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
+/// x = L⁻¹ x for a packed lower triangle whose pivot blocks are inverted.
 #[inline(always)]
 pub fn solve_lower<S: Simd>(simd: S, x: &mut [f32], l: &[f32]) {
     let w = x.len();
-    for from in (0..w).step_by(STRIP) {
-        let to = (from + STRIP).min(w);
+    for from in (0..w).step_by(PIVOT_BLOCK) {
+        let to = (from + PIVOT_BLOCK).min(w);
         let (own, rest) = x[from..].split_at_mut(to - from);
-        let mut solved = [0.0; STRIP];
+        let mut solved = [0.0; PIVOT_BLOCK];
         let solved = &mut solved[..to - from];
         subtract_times(simd, solved, &l[from * w + from..], w, own);
         own.iter_mut().zip(&*solved).for_each(|(x, v)| *x = -v);

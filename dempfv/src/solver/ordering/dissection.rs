@@ -1,15 +1,15 @@
 //! Cuts a part of the graph in place, again and again, with one set of work arrays.
 
 use super::band::{self, Range};
-use super::degree::Leaf;
-use super::flow::{Flow, Side};
 use super::graph::Graph;
+use super::max_flow::{MaxFlow, Side};
+use super::minimum_degree::MinimumDegree;
 
 /// Parts of no more vertices than this are not cut.
-pub(super) const LEAF: usize = 128;
+pub(super) const LEAF_VERTICES: usize = 128;
 
 /// Neither side of a cut may hold more than this of a part.
-const LARGEST: f64 = 0.9;
+const MAX_SIDE_FRACTION: f64 = 0.9;
 
 /// The label of what is ordered later: separators and what is around the graph.
 const LATER: u32 = 0;
@@ -17,7 +17,7 @@ const LATER: u32 = 0;
 const WHOLE: u32 = 1;
 
 /// A graph, and to which part of it each vertex belongs now.
-pub(super) struct Block {
+pub(super) struct Dissection {
     graph: Graph,
     /// The part of each vertex, those around included.
     label: Vec<u32>,
@@ -29,13 +29,13 @@ pub(super) struct Block {
     keys: Vec<f32>,
     counts: Vec<u32>,
     band: Vec<u32>,
-    flow: Flow,
+    flow: MaxFlow,
     /// Of each vertex of the band, its place in the list of the part.
     place: Vec<u32>,
     sides: Vec<Side>,
     /// Vertices that are set aside or wait.
     queue: Vec<u32>,
-    leaf: Leaf,
+    leaf: MinimumDegree,
 }
 
 /// A part that was cut.
@@ -46,12 +46,12 @@ struct Cut {
     sizes: [usize; 2],
 }
 
-impl Block {
-    pub(super) fn new(graph: Graph) -> Block {
+impl Dissection {
+    pub(super) fn new(graph: Graph) -> Dissection {
         let n = graph.len();
         let mut label = vec![LATER; n + graph.halo];
         label[..n].fill(WHOLE);
-        Block {
+        Dissection {
             number: vec![0; n + graph.halo],
             graph,
             label,
@@ -59,11 +59,11 @@ impl Block {
             keys: Vec::new(),
             counts: Vec::new(),
             band: Vec::new(),
-            flow: Flow::default(),
+            flow: MaxFlow::default(),
             place: Vec::new(),
             sides: Vec::new(),
             queue: Vec::new(),
-            leaf: Leaf::default(),
+            leaf: MinimumDegree::default(),
         }
     }
 
@@ -100,9 +100,9 @@ impl Block {
 
     /// Orders the vertices of a part.
     fn dissect(&mut self, vertices: &mut [u32], label: u32, out: &mut [i64]) {
-        let cut = if vertices.len() > LEAF { self.cut(vertices, label) } else { None };
+        let cut = if vertices.len() > LEAF_VERTICES { self.cut(vertices, label) } else { None };
         let Some(cut) = cut else {
-            let Block { graph, label: labels, number, leaf, .. } = self;
+            let Dissection { graph, label: labels, number, leaf, .. } = self;
             leaf.order(graph, vertices, labels, label, number);
             self.write(vertices, out);
             return;
@@ -163,7 +163,7 @@ impl Block {
         self.labels += 2;
         let (fresh, seen) = (self.labels - 1, self.labels);
         self.relabel(vertices, fresh);
-        let Block { graph, label, number, queue, .. } = self;
+        let Dissection { graph, label, number, queue, .. } = self;
         for (k, &v) in vertices.iter().enumerate() {
             number[v as usize] = k as u32;
         }
@@ -208,7 +208,7 @@ impl Block {
 
     /// Describes the band to the flow.
     fn describe(&mut self, vertices: &[u32], source: u32, sink: u32, within: u32) {
-        let Block { graph, label, number, flow, band, place, .. } = self;
+        let Dissection { graph, label, number, flow, band, place, .. } = self;
         band.clear();
         place.clear();
         flow.clear();
@@ -241,7 +241,7 @@ impl Block {
 
     /// Takes the minimum cut that is best balanced.
     fn choose_sides(&mut self, vertices: &[u32], source: u32, sink: u32) {
-        let Block { label, flow, band, sides, keys, place, .. } = self;
+        let Dissection { label, flow, band, sides, keys, place, .. } = self;
         // Halves of what the cut leaves, about.
         let outside = vertices.iter().filter(|&&v| label[v as usize] == source).count();
         let half = (vertices.len() - flow.value()) / 2;
@@ -258,7 +258,7 @@ impl Block {
     /// Sorts the vertices by side, keeping their order. `None` where a side is too
     /// large.
     fn partition(&mut self, vertices: &mut [u32], source: u32, sink: u32) -> Option<Cut> {
-        let Block { label, queue: right, band: separator, .. } = self;
+        let Dissection { label, queue: right, band: separator, .. } = self;
         right.clear();
         separator.clear();
         let mut left = 0;
@@ -276,7 +276,7 @@ impl Block {
         vertices[left..][..right.len()].copy_from_slice(right);
         vertices[left + right.len()..].copy_from_slice(separator);
         let larger = left.max(right.len());
-        let worth = larger as f64 <= LARGEST * vertices.len() as f64;
+        let worth = larger as f64 <= MAX_SIDE_FRACTION * vertices.len() as f64;
         worth.then_some(Cut { labels: [source, sink], sizes: [left, right.len()] })
     }
 }

@@ -1,25 +1,26 @@
-//! What is done together: small subtrees as one task each, the fronts above
-//! them one by one. The plan depends on the pattern alone, never on the number
-//! of threads, and so do the bits of what follows it.
+//! Which thread works at what: small subtrees of the assembly tree as one task each, the fronts above
+//! them one by one (subtree to task mapping: George, Liu and Ng 1989; Geist and Ng 1989). The schedule
+//! depends on the pattern alone, never on the number of threads, and so do the bits of what follows
+//! it.
 
 use std::ops::Range;
 
 use super::symbolic::Pattern;
-use crate::solver::tree::NONE;
+use crate::solver::elimination_tree::NONE;
 
 /// A factor of fewer entries is worked through by one thread: it is done before
 /// another has woken up.
-const SMALL: usize = 1 << 19;
+const PARALLEL_FACTOR_ENTRIES: usize = 1 << 19;
 
 /// A larger one is cut into subtrees of about this part of it.
-const PARTS: usize = 48;
+const SUBTREE_COUNT: usize = 48;
 
-/// Factors of fewer unknowns have no blocks kept as products: with 118,000 a correction
+/// Factors of fewer unknowns have no blocks kept as low-rank sums: with 118,000 a correction
 /// took 3.3 ms instead of 3.5, but left so much more that third ones cost twice that.
-const MANY: usize = 200_000;
+const LOW_RANK_UNKNOWNS: usize = 200_000;
 
 /// Chains of fronts are followed by recursion, which the stack must bear.
-const DEEPEST: usize = 400;
+const RECURSION_DEPTH: usize = 400;
 
 /// A subtree that one thread works through, or one front above such subtrees.
 pub struct Task {
@@ -39,10 +40,10 @@ pub struct Task {
 }
 
 /// Tasks in postorder, and where each supernode's rows lie in its task's vector.
-pub struct Plan {
+pub struct Schedule {
     pub tasks: Vec<Task>,
     pub roots: Vec<u32>,
-    /// For supernodes of subtrees: the rows of the edge as places in the
+    /// For supernodes of subtrees: the rows of the border as places in the
     /// task's vector, less the place after the supernode's own columns.
     pub local: Vec<u32>,
     /// Where each unknown lies among the vectors, by the caller's numbers.
@@ -50,26 +51,31 @@ pub struct Plan {
     /// Length of all vectors together.
     pub vectors: usize,
     /// True where there is enough to do for several threads.
-    pub is_shared: bool,
-    /// True where blocks of the factor may be kept as products.
-    pub products: bool,
+    pub is_parallel: bool,
+    /// True where blocks of the factor may be kept as low-rank sums.
+    pub low_rank: bool,
 }
 
-impl Plan {
-    pub fn new(pattern: &Pattern) -> Plan {
+impl Schedule {
+    pub fn new(pattern: &Pattern) -> Schedule {
         let total = pattern.start[pattern.supernodes()];
-        let small = if total <= SMALL { usize::MAX } else { total / PARTS };
-        let plan = Plan::cut(pattern, small);
-        let plan = if plan.depth() <= DEEPEST { plan } else { Plan::cut(pattern, usize::MAX) };
-        Plan {
-            is_shared: total > SMALL && plan.tasks.len() > 1,
-            products: pattern.n >= MANY,
-            ..plan
+        let small =
+            if total <= PARALLEL_FACTOR_ENTRIES { usize::MAX } else { total / SUBTREE_COUNT };
+        let schedule = Schedule::cut(pattern, small);
+        let schedule = if schedule.depth() <= RECURSION_DEPTH {
+            schedule
+        } else {
+            Schedule::cut(pattern, usize::MAX)
+        };
+        Schedule {
+            is_parallel: total > PARALLEL_FACTOR_ENTRIES && schedule.tasks.len() > 1,
+            low_rank: pattern.n >= LOW_RANK_UNKNOWNS,
+            ..schedule
         }
     }
 
     /// Entries of the factor in a range of supernodes.
-    fn cut(pattern: &Pattern, small: usize) -> Plan {
+    fn cut(pattern: &Pattern, small: usize) -> Schedule {
         let count = pattern.supernodes();
         // First supernode of each one's subtree.
         let mut lowest: Vec<usize> = (0..count).collect();
@@ -116,8 +122,8 @@ impl Plan {
                 open.push(id);
             }
         }
-        let (local, place) = places(pattern, &tasks);
-        Plan { tasks, roots, local, place, vectors, is_shared: false, products: false }
+        let (local, place) = layout(pattern, &tasks);
+        Schedule { tasks, roots, local, place, vectors, is_parallel: false, low_rank: false }
     }
 
     /// Longest way from a root.
@@ -136,16 +142,16 @@ impl Plan {
     }
 }
 
-/// A task's vector: its columns, the rows of its last supernode's edge, and
-/// room for the longest edge of any of its supernodes.
+/// A task's vector: its columns, the rows of its last supernode's border, and
+/// room for the longest border of any of its supernodes.
 fn vector_len(pattern: &Pattern, own: &Range<usize>) -> usize {
     let columns = (pattern.first[own.end] - pattern.first[own.start]) as usize;
-    let edge = pattern.shape(own.end - 1).edge;
-    let longest = own.clone().map(|s| pattern.shape(s).edge).max().unwrap_or(0);
-    columns + edge + if own.len() > 1 { longest } else { 0 }
+    let border = pattern.shape(own.end - 1).border;
+    let longest = own.clone().map(|s| pattern.shape(s).border).max().unwrap_or(0);
+    columns + border + if own.len() > 1 { longest } else { 0 }
 }
 
-fn places(pattern: &Pattern, tasks: &[Task]) -> (Vec<u32>, Vec<u32>) {
+fn layout(pattern: &Pattern, tasks: &[Task]) -> (Vec<u32>, Vec<u32>) {
     let mut local = vec![0u32; pattern.rows.items.len()];
     let mut place = vec![0u32; pattern.n];
     for task in tasks {
@@ -155,7 +161,7 @@ fn places(pattern: &Pattern, tasks: &[Task]) -> (Vec<u32>, Vec<u32>) {
             place[unknown] = (task.vector.start + (k - from) as usize) as u32;
         }
         let rows = |s: usize| pattern.rows.start[s]..pattern.rows.start[s + 1];
-        let edge = &pattern.rows.items[rows(task.own.end - 1)];
+        let border = &pattern.rows.items[rows(task.own.end - 1)];
         for s in task.own.clone() {
             let after = pattern.first[s + 1] - from;
             let mut k = 0;
@@ -164,7 +170,7 @@ fn places(pattern: &Pattern, tasks: &[Task]) -> (Vec<u32>, Vec<u32>) {
                 local[at] = if row < to {
                     row - from
                 } else {
-                    while edge[k] != row {
+                    while border[k] != row {
                         k += 1;
                     }
                     to - from + k as u32

@@ -16,7 +16,7 @@ pub(super) enum Side {
 /// A flow through a band. Each vertex of it stands for two nodes, an entry 2 v
 /// and an exit 2 v + 1, joined by an arc of capacity one.
 #[derive(Default)]
-pub(super) struct Flow {
+pub(super) struct MaxFlow {
     /// Neighbours of vertex v in the band: `adjacent[start[v]..start[v + 1]]`.
     start: Vec<u32>,
     adjacent: Vec<u32>,
@@ -38,7 +38,7 @@ pub(super) struct Flow {
     path: Vec<u32>,
 }
 
-impl Flow {
+impl MaxFlow {
     /// Forgets everything; vertices come next.
     pub(super) fn clear(&mut self) {
         self.start.clear();
@@ -92,7 +92,7 @@ impl Flow {
     /// Finds the distances to the sink, where an arc within a vertex has no length.
     /// False when no more path may begin: the flow is maximal.
     fn measure(&mut self) -> bool {
-        let Flow { start, adjacent, last, at_source, before, after, distance, queue, .. } = self;
+        let MaxFlow { start, adjacent, last, at_source, before, after, distance, queue, .. } = self;
         distance.clear();
         distance.resize(2 * before.len(), NONE);
         // Room for every node, and for one that is known already.
@@ -327,8 +327,8 @@ mod tests {
 
     /// A flow through vertices by their neighbours; the first `ends` are at the
     /// source, the last `ends` at the sink.
-    fn flow(neighbors: &[Vec<u32>], ends: usize) -> Flow {
-        let mut flow = Flow::default();
+    fn flow(neighbors: &[Vec<u32>], ends: usize) -> MaxFlow {
+        let mut flow = MaxFlow::default();
         flow.clear();
         for (v, list) in neighbors.iter().enumerate() {
             list.iter().for_each(|&w| flow.neighbor(w));
