@@ -22,8 +22,18 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "simulation",
         &[
-            "scene", "coupling", "dem", "pfv", "solver", "io", "parallel", "theory", "input",
-            "domain", "error",
+            "scene",
+            "coupling",
+            "dem",
+            "pfv",
+            "solver",
+            "io",
+            "parallel",
+            "theory",
+            "input",
+            "domain",
+            "error",
+            "stage_error",
         ],
     ),
 ];
