@@ -64,7 +64,7 @@ impl Specimen {
 /// With k_n = E r between equal spheres and contacts of random direction, the
 /// diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3.
 fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
-    let material = &plan.particles;
+    let material = &plan.particles.material;
     let r = smallest_radius;
     let mass = 4.0 / 3.0 * std::f64::consts::PI * r.powi(3) * material.density;
     let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
@@ -72,7 +72,7 @@ fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     let fluid = plan.fluid.as_ref().filter(|_| coupled);
     TimeStepBounds {
         contact: (2.0 * mass / stiffness).sqrt(),
-        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.viscosity)),
+        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.fluid.viscosity)),
         viscous: None,
     }
 }
@@ -131,7 +131,7 @@ impl Estimate {
             // the background they take another core's time.
             let interval = fluid
                 .filter(|f| f.acceleration.remesh != RemeshMode::Background)
-                .and_then(|f| f.remesh_interval);
+                .and_then(|f| f.remesh.interval);
             let step = if fluid.is_some_and(follows) { flow.followed() } else { flow.solve() };
             dry + step + interval.map_or(0.0, |steps| remesh / steps as f64)
         });

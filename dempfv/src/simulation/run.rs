@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
 use super::stages::{Active, Context, Progress};
 use crate::coupling::{Coupled, FluidState, Observation, TimeStepBounds};
 use crate::dem::{Dem, DemState};
 use crate::scene::{Plan, Stage};
-use crate::{Axis, Error, InputError, Result};
+use crate::{Error, InputError, Result};
 
 /// A plan being carried out.
 ///
@@ -58,8 +58,10 @@ impl Simulation {
     /// Loads or draws the packing of a plan and puts it at rest in its box.
     ///
     /// # Errors
-    /// When the packing is wrong, or the plan's values make no sense together.
+    /// [`Error::Input`] for what [`Plan::validate`] finds or is wrong with the packing; why its
+    /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
+        plan.validate()?;
         let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
         Ok(Simulation {
             plan,
@@ -80,12 +82,13 @@ impl Simulation {
     /// When the plan's stages are not those that the state has come through, or
     /// as a step.
     pub fn restart(plan: Plan, state: State) -> Result<Simulation> {
+        plan.validate()?;
         let stage = state.stage as usize;
         check_stages(&plan, &state)?;
         let dem = Dem::from_state(
             state.dem,
-            setup::material(&plan),
-            setup::wall_material(&plan),
+            plan.particles.material,
+            plan.walls.material,
             setup::options(&plan),
         )?;
         let mut coupled = setup::coupled(&plan, dem);
@@ -93,13 +96,13 @@ impl Simulation {
         coupled.remember_worst(state.largest_residual, state.largest_imbalance);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
-            active.restore(&mut coupled, &plan, &stage.kind)?;
+            active.restore(&mut coupled, &plan, stage)?;
         }
         // So that it can be observed before its first step; the step itself
         // finds this done. The stage has had its say on friction before.
         coupled.dem.compute_contacts()?;
         if let (Some(fluid), Some(saved)) = (&plan.fluid, state.fluid) {
-            coupled.restore_fluid(setup::saturation(fluid), saved)?;
+            coupled.restore_fluid(fluid.saturation(), saved)?;
         }
         Ok(Simulation {
             plan,
@@ -130,13 +133,14 @@ impl Simulation {
         let Some(stage) = self.plan.stages.get(self.stage) else { return Ok(false) };
         let mut context = Context {
             plan: &self.plan,
+            stage,
             coupled: &mut self.coupled,
             clock: &mut self.clock,
             outcomes: &self.outcomes,
         };
         let mut active = match self.active.take() {
             Some(active) => active,
-            None => Active::start(&stage.kind, &mut context)?,
+            None => Active::start(&mut context)?,
         };
         match active.advance(&mut context) {
             Ok(Progress::Finished(outcome)) => {
@@ -304,23 +308,4 @@ fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
         }
     }
     Ok(())
-}
-
-/// The last finished measurement of the oedometric modulus along an axis.
-pub(super) fn last_cycles(outcomes: &[StageOutcome], axis: Axis) -> Option<&LoadCycles> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Cycle(cycles) if Axis::of(cycles.wall) == axis => Some(cycles),
-        _ => None,
-    })
-}
-
-/// The last finished measurement of the permeability along an axis.
-pub(super) fn last_permeability(
-    outcomes: &[StageOutcome],
-    axis: Axis,
-) -> Option<&PermeabilityTest> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Permeability(test) if test.axis == axis.name() => Some(test),
-        _ => None,
-    })
 }
