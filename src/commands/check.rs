@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use dempfv::coupling::TimeStepBounds;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
-use dempfv::scene::{Plan, StageKind, TimeStep, Until};
+use dempfv::scene::{Plan, Stage, StageKind, TimeStep, Until};
 use dempfv::simulation::Stability;
 use dempfv::simulation::{Estimate, Specimen};
 use dempfv::{Aabb, Error};
@@ -78,11 +78,11 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         .stages
         .iter()
         .map(|stage| {
-            let steps = steps(&stage.kind, estimate.dt);
+            let steps = steps(&stage.kind, time_step(&plan, stage, &estimate));
             StageReport {
                 name: stage.name.clone(),
                 kind: stage.kind.name(),
-                what: describe::stage(&stage.kind),
+                what: describe::stage(stage),
                 steps,
                 expected_s: expected(&stage.kind, steps, &estimate),
             }
@@ -141,8 +141,7 @@ fn count_pores(
 ) -> Result<(), Error> {
     let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
     let boundary = Boundary { pressure };
-    let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
-    let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
+    let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
     let operators = Operators::new(&network, derivatives, boundary)?;
@@ -162,7 +161,7 @@ fn count_pores(
 /// measurement of a permeability; `None` when no stage has flow.
 fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
     if plan.stages.iter().any(|s| s.kind.is_coupled()) {
-        return plan.fluid.as_ref().map(|f| f.pressure);
+        return plan.fluid.as_ref().map(|f| f.fluid.boundary.pressure);
     }
     plan.stages.iter().find_map(|s| match &s.kind {
         StageKind::Permeability(p) => {
@@ -173,6 +172,15 @@ fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
         }
         _ => None,
     })
+}
+
+/// The time step of a stage (s), as far as it is known.
+fn time_step(plan: &Plan, stage: &Stage, estimate: &Estimate) -> Option<f64> {
+    let dem = plan.mechanics(stage)?;
+    match dem.dt {
+        TimeStep::Fixed(dt) => Some(dt),
+        TimeStep::Auto => estimate.bounds.map(|bounds| bounds.automatic(dem.safety)),
+    }
 }
 
 fn steps(kind: &StageKind, dt: Option<f64>) -> Option<u64> {
@@ -225,14 +233,14 @@ impl Report {
         else {
             return Ok(());
         };
-        let material = &self.plan.particles;
+        let material = &self.plan.particles.material;
         let text = format!(
             "ρ = {} kg/m³, E = {}, k_s/k_n = {}, friction {}° (walls {}°)",
             three_digits(material.density),
             si(material.young, "Pa"),
             three_digits(material.stiffness_ratio),
             three_digits(material.friction_angle.to_degrees()),
-            three_digits(self.plan.walls.friction_angle.to_degrees()),
+            three_digits(self.plan.walls.material.friction_angle.to_degrees()),
         );
         line(f, "material", &text)?;
         let limit = bounds.limit();

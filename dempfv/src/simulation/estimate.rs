@@ -69,7 +69,7 @@ impl Specimen {
 /// With k_n = E r between equal spheres and contacts of random direction, the
 /// diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3.
 fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
-    let material = &plan.particles;
+    let material = &plan.particles.material;
     let r = smallest_radius;
     let mass = 4.0 / 3.0 * std::f64::consts::PI * r.powi(3) * material.density;
     let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
@@ -77,7 +77,7 @@ fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     let fluid = plan.fluid.as_ref().filter(|_| coupled);
     TimeStepBounds {
         contact: (2.0 * mass / stiffness).sqrt(),
-        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.viscosity)),
+        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.fluid.viscosity)),
         viscous: None,
     }
 }
@@ -188,7 +188,7 @@ fn remesh_share(fluid: &Fluid, step: f64, remesh: f64) -> f64 {
     // Eq. 15 of Caulk 2020: half an interval of steps takes as long as a remesh.
     let interval = match how.auto_interval {
         true => Some(2.0 * remesh / step),
-        false => fluid.remesh_interval.map(|steps| steps as f64),
+        false => fluid.remesh.interval.map(|steps| steps as f64),
     };
     let slower = if how.remesh == RemeshMode::Background { BACKGROUND_REMESH } else { 1.0 };
     interval.map_or(0.0, |steps| slower * remesh / steps.max(1.0))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
 use super::stages::{Active, Context, Progress};
 use crate::coupling::{
@@ -13,7 +13,7 @@ use crate::coupling::{
     TimeStepBounds,
 };
 use crate::scene::{Plan, Stage};
-use crate::{Axis, Error, InputError, Result};
+use crate::{Error, InputError, Result};
 
 /// A plan being carried out.
 ///
@@ -59,8 +59,10 @@ impl Simulation {
     /// Loads or draws the packing of a plan and puts it at rest in its box.
     ///
     /// # Errors
-    /// When the packing is wrong, or the plan's values make no sense together.
+    /// [`Error::Input`] for what [`Plan::validate`] finds or is wrong with the packing; why its
+    /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
+        plan.validate()?;
         let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
         Ok(Simulation {
             plan,
@@ -93,6 +95,7 @@ impl Simulation {
         state: SimulationState,
         builder: Arc<dyn NetworkBuilder>,
     ) -> Result<Simulation> {
+        plan.validate()?;
         let stage = state.stage as usize;
         check_stages(&plan, &state)?;
         let mut saved = state.coupled;
@@ -101,7 +104,7 @@ impl Simulation {
         coupled.build_with(builder);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
-            active.restore(&mut coupled, &plan, &stage.kind)?;
+            active.restore(&mut coupled, &plan, stage)?;
         }
         coupled.take_up(progress)?;
         Ok(Simulation {
@@ -138,13 +141,14 @@ impl Simulation {
         let Some(stage) = self.plan.stages.get(self.stage) else { return Ok(false) };
         let mut context = Context {
             plan: &self.plan,
+            stage,
             coupled: &mut self.coupled,
             clock: &mut self.clock,
             outcomes: &self.outcomes,
         };
         let mut active = match self.active.take() {
             Some(active) => active,
-            None => Active::start(&stage.kind, &mut context)?,
+            None => Active::start(&mut context)?,
         };
         match active.advance(&mut context) {
             Ok(Progress::Finished(outcome)) => {
@@ -298,10 +302,10 @@ impl Simulation {
 fn parameters(plan: &Plan, saved: Parameters) -> Parameters {
     let fluid = plan.fluid.as_ref();
     Parameters {
-        material: setup::material(plan),
-        wall_material: setup::wall_material(plan),
+        material: plan.particles.material,
+        wall_material: plan.walls.material,
         options: setup::options(plan),
-        saturation: fluid.filter(|_| saved.saturation.is_some()).map(setup::saturation),
+        saturation: fluid.filter(|_| saved.saturation.is_some()).map(|f| f.saturation()),
         acceleration: fluid.map(|f| f.acceleration).unwrap_or_default(),
         tolerance: fluid.map(|f| f.tolerance),
         probes: plan.output.probes.clone(),
@@ -330,23 +334,4 @@ fn check_stages(plan: &Plan, state: &SimulationState) -> Result<(), InputError> 
         }
     }
     Ok(())
-}
-
-/// The last finished measurement of the oedometric modulus along an axis.
-pub(super) fn last_cycles(outcomes: &[StageOutcome], axis: Axis) -> Option<&LoadCycles> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Cycle(cycles) if Axis::of(cycles.wall) == axis => Some(cycles),
-        _ => None,
-    })
-}
-
-/// The last finished measurement of the permeability along an axis.
-pub(super) fn last_permeability(
-    outcomes: &[StageOutcome],
-    axis: Axis,
-) -> Option<&PermeabilityTest> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Permeability(test) if test.axis == axis.name() => Some(test),
-        _ => None,
-    })
 }

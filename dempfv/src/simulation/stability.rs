@@ -6,7 +6,7 @@ use super::setup;
 use crate::coupling::{Controls, Coupled, TimeStepBounds, TimeStepRule};
 use crate::dem::WallControl;
 use crate::pfv::{Flow, ViscousMode};
-use crate::scene::{self, Plan, StageKind};
+use crate::scene::{Plan, StageKind};
 use crate::{Result, WallId};
 
 /// Spheres that a report names at most.
@@ -47,9 +47,12 @@ impl Stability {
         let stage = plan.stages.iter().find(|s| s.kind.is_coupled());
         let (Some(fluid), Some(stage)) = (&plan.fluid, stage) else { return Ok(None) };
         let mut coupled = Coupled::new(setup::mechanics(plan)?);
+        if let Some(mechanics) = plan.mechanics(stage) {
+            coupled.controls().set_damping(mechanics.options.damping)?;
+        }
         hold_walls(coupled.controls(), &stage.kind)?;
         coupled.compute_contacts()?;
-        coupled.saturate(setup::saturation(fluid));
+        coupled.saturate(fluid.saturation());
         coupled.update_viscous_mode(true)?;
         let bounds = coupled.time_step_bounds();
         let id = &coupled.dem().particles().id;
@@ -75,8 +78,8 @@ impl Stability {
 fn hold_walls(mut controls: Controls, stage: &StageKind) -> Result<()> {
     let held = |wall: WallId| match stage {
         StageKind::Consolidate(c) => (c.wall == wall).then_some((c.stress, c.max_velocity)),
-        StageKind::Run(run) => match run.walls[wall.index()] {
-            scene::WallControl::Stress { stress, max_velocity } => Some((stress, max_velocity)),
+        StageKind::Run(run) => match run.walls[wall] {
+            WallControl::Servo { stress, max_velocity } => Some((stress, max_velocity)),
             _ => None,
         },
         _ => None,

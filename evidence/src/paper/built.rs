@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use dempfv::pfv::{Boundary, Derivatives, Fluid, Network, Operators};
+use dempfv::pfv::{Derivatives, Fluid, Network, Operators};
 use dempfv::scene::Plan;
 use dempfv::simulation::initial_packing;
 use dempfv::{Aabb, InputError, Vec3};
@@ -73,10 +73,7 @@ impl Input {
         let plan = Plan::from_toml(&timing::scene(packing, specimen, Mode::AllCores), None)?;
         let (position, radius, bounds) = initial_packing(&plan)?;
         let wet = plan.fluid.ok_or_else(|| InputError::new("no fluid", "add a table [fluid]"))?;
-        let boundary = Boundary { pressure: wet.pressure };
-        let (slip_walls, clamp) = (wet.slip_walls, wet.clamp);
-        let fluid = Fluid { viscosity: wet.viscosity, slip_walls, clamp, boundary };
-        Ok(Input { position, radius, bounds, fluid })
+        Ok(Input { position, radius, bounds, fluid: wet.fluid })
     }
 
     /// Triangulation, pores, throats, and what the operators need beside them.

@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress, strain};
+use super::context::{Context, Progress};
+use super::strain::logarithmic_strain;
 use crate::dem::WallControl;
 use crate::simulation::StageError;
 use crate::simulation::outcome::{LoadCycles, Outcome};
@@ -64,7 +65,7 @@ impl State {
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
-        context.quasi_static_step()?;
+        context.step()?;
         self.steps += 1;
         if !self.steps.is_multiple_of(LOOK) {
             return Ok(Progress::Running);
@@ -80,7 +81,9 @@ impl State {
             }
             return Ok(Progress::Running);
         }
-        self.strain.push(strain(&self.reference, &context.coupled.dem().box_())[self.wall.axis()]);
+        self.strain.push(
+            logarithmic_strain(&self.reference, &context.coupled.dem().box_())[self.wall.axis()],
+        );
         self.stress.push(stress);
         if (self.strain.len() as u64) < self.holds {
             self.load(context)?;

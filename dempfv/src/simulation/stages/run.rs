@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress, strain};
+use super::context::{Context, Progress};
+use super::strain::logarithmic_strain;
 use crate::coupling::Coupled;
-use crate::dem::WallControl;
 use crate::scene::{self, Plan, Until};
 use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
@@ -35,8 +35,8 @@ enum End {
 
 impl State {
     pub fn start(plan: &scene::Run, context: &mut Context) -> Result<State> {
-        for (wall, control) in WallId::ALL.into_iter().zip(&plan.walls) {
-            context.coupled.controls().set_control(wall, wall_control(control))?;
+        for (wall, control) in plan.walls.iter() {
+            context.coupled.controls().set_control(wall, *control)?;
         }
         if plan.fluid {
             context.saturate()?;
@@ -64,7 +64,7 @@ impl State {
     pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
         Ok(coupled
             .controls()
-            .set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
+            .set_friction(self.friction_angle.unwrap_or(plan.particles.material.friction_angle))?)
     }
 
     /// Changes how many steps the stage may take to reach its strain.
@@ -84,7 +84,7 @@ impl State {
         };
         StressPathSample {
             time_s: context.clock.time - self.start_time,
-            strain: strain(&self.reference, &coupled.dem().box_()),
+            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
             stress_pa: [0, 1, 2].map(stress),
             mean_pressure_pa: coupled.mean_pressure(),
         }
@@ -110,10 +110,10 @@ impl State {
                 return Ok(Progress::Running);
             }
         }
-        context.coupled.controls().set_friction(context.plan.particles.friction_angle)?;
+        context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
-            strain: strain(&self.reference, &coupled.dem().box_()),
+            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
             wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
             unbalanced_force: coupled.unbalanced_force(),
             samples: std::mem::take(&mut self.samples),
@@ -129,7 +129,7 @@ impl State {
                 Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
             }
             End::Strain { goal, axis, max_steps } => {
-                let now = strain(&self.reference, &context.coupled.dem().box_())[axis];
+                let now = logarithmic_strain(&self.reference, &context.coupled.dem().box_())[axis];
                 self.strained = (now / goal).clamp(0.0, 1.0);
                 if now / goal < 1.0 && self.steps >= max_steps {
                     return Err(StageError::StrainNotReached {
@@ -141,16 +141,6 @@ impl State {
                 }
                 Ok(now / goal >= 1.0)
             }
-        }
-    }
-}
-
-fn wall_control(control: &scene::WallControl) -> WallControl {
-    match *control {
-        scene::WallControl::Fixed => WallControl::Fixed,
-        scene::WallControl::Velocity { velocity } => WallControl::Velocity(velocity),
-        scene::WallControl::Stress { stress, max_velocity } => {
-            WallControl::Servo { stress, max_velocity }
         }
     }
 }
