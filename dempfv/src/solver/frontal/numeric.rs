@@ -85,12 +85,12 @@ impl Factorization<'_> {
         &self,
         tasks: &[u32],
         part: FactorSlices<'_>,
-        left: &mut Vec<ContributionBlock>,
+        contributions: &mut Vec<ContributionBlock>,
     ) -> Result<(), Stopped> {
         match tasks {
             [] => Ok(()),
             [task] => {
-                left.push(self.task(*task as usize, part)?);
+                contributions.push(self.task(*task as usize, part)?);
                 Ok(())
             }
             _ => {
@@ -99,12 +99,12 @@ impl Factorization<'_> {
                 let (part_a, part_b) = self.cut(part, all(a[0]).start, all(b[0]).start);
                 let mut more = vec![];
                 let (first, second) = rayon::join(
-                    || self.tasks(a, part_a, left),
+                    || self.tasks(a, part_a, contributions),
                     || self.tasks(b, part_b, &mut more),
                 );
                 first?;
                 second?;
-                left.append(&mut more);
+                contributions.append(&mut more);
                 Ok(())
             }
         }
@@ -112,20 +112,20 @@ impl Factorization<'_> {
 
     fn task(&self, task: usize, part: FactorSlices<'_>) -> Result<ContributionBlock, Stopped> {
         let task = &self.schedule.tasks[task];
-        let mut waiting: Vec<ContributionBlock> = vec![];
+        let mut stack: Vec<ContributionBlock> = vec![];
         let (below, mut rest) = self.cut(part, task.all.start, task.own.start);
-        self.tasks(&task.children, below, &mut waiting)?;
+        self.tasks(&task.children, below, &mut stack)?;
         for s in task.own.clone() {
             let children = self.pattern.children.of(s).len();
-            let from = waiting.len() - children;
+            let from = stack.len() - children;
             let (this, after) = self.cut(rest, s, s + 1);
             rest = after;
-            let update = self.front(s, this, &waiting[from..])?;
-            waiting.truncate(from);
-            waiting.push(update);
+            let contribution = self.front(s, this, &stack[from..])?;
+            stack.truncate(from);
+            stack.push(contribution);
         }
         // The last supernode of a task is the root of all others in it.
-        Ok(waiting.pop().unwrap_or(ContributionBlock {
+        Ok(stack.pop().unwrap_or(ContributionBlock {
             from: 0,
             entries: vec![],
             row_excess: vec![],

@@ -65,17 +65,17 @@ impl Pattern {
         let counts = tree::counts(&tree::columns(a, &place).0, &parent);
         let nnz_l = counts.iter().map(|&c| u64::from(c)).sum();
         let flops = counts.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
-        let Supernodes { first, parent: above, border, columns } =
+        let Supernodes { first, parent: front_parent, border, columns } =
             Supernodes::new(&parent, &counts);
         let order: Vec<u32> = columns.iter().map(|&k| order[k as usize]).collect();
         let place = inverse(&order);
-        let count = above.len();
+        let count = front_parent.len();
         let mut owner = vec![0u32; n];
         for s in 0..count {
             owner[first[s] as usize..first[s + 1] as usize].fill(s as u32);
         }
         let (columns, source) = tree::columns(a, &place);
-        let rows = front_rows(&tree::rows(a, &place), &border, &above, &owner);
+        let rows = front_rows(&tree::rows(a, &place), &border, &front_parent, &owner);
         let shape = |s: usize| Shape {
             width: (first[s + 1] - first[s]) as usize,
             border: rows.start[s + 1] - rows.start[s],
@@ -85,15 +85,15 @@ impl Pattern {
             start[s + 1] = start[s] + shape(s).len();
         }
         let target = targets(&columns, &first, &owner, &rows, &shape);
-        let map = parent_rows(&first, &above, &rows);
+        let map = relative_rows(&first, &front_parent, &rows);
         let entries = MatrixEntries { column_start: columns.start, source, target };
-        let children = tree::children(&above);
+        let children = tree::children(&front_parent);
         Pattern {
             n,
             order,
             place,
             first,
-            parent: above,
+            parent: front_parent,
             children,
             rows,
             map,
@@ -154,8 +154,13 @@ fn relabelled(parent: &[u32], post: &[u32]) -> Vec<u32> {
 
 /// The rows of each front below its columns, ascending: row by row, each climbs
 /// from the columns that have it in the matrix.
-fn front_rows(matrix_rows: &Lists, border: &[u32], above: &[u32], owner: &[u32]) -> FrontRows {
-    let supernodes = above.len();
+fn front_rows(
+    matrix_rows: &Lists,
+    border: &[u32],
+    front_parent: &[u32],
+    owner: &[u32],
+) -> FrontRows {
+    let supernodes = front_parent.len();
     let mut start = vec![0usize; supernodes + 1];
     for s in 0..supernodes {
         start[s + 1] = start[s] + border[s] as usize;
@@ -171,7 +176,7 @@ fn front_rows(matrix_rows: &Lists, border: &[u32], above: &[u32], owner: &[u32])
                 reached[s as usize] = i;
                 items[next[s as usize]] = i;
                 next[s as usize] += 1;
-                s = above[s as usize];
+                s = front_parent[s as usize];
             }
         }
     }
@@ -216,20 +221,20 @@ fn targets(
 }
 
 /// Where the rows of each front lie in its parent's front.
-fn parent_rows(first: &[u32], above: &[u32], rows: &FrontRows) -> Vec<u32> {
+fn relative_rows(first: &[u32], front_parent: &[u32], rows: &FrontRows) -> Vec<u32> {
     let mut map = vec![0u32; rows.items.len()];
-    let mut parts = Vec::with_capacity(above.len());
+    let mut parts = Vec::with_capacity(front_parent.len());
     let mut rest = map.as_mut_slice();
-    for s in 0..above.len() {
+    for s in 0..front_parent.len() {
         let (part, after) = rest.split_at_mut(rows.start[s + 1] - rows.start[s]);
         parts.push(part);
         rest = after;
     }
     parts.par_iter_mut().with_min_len(256).enumerate().for_each(|(s, part)| {
-        if above[s] == NONE {
+        if front_parent[s] == NONE {
             return;
         }
-        let p = above[s] as usize;
+        let p = front_parent[s] as usize;
         let width = first[p + 1] - first[p];
         let border = &rows.items[rows.start[p]..rows.start[p + 1]];
         let mut k = 0;

@@ -1,4 +1,5 @@
-//! Where a part is cut: the axis, and the band around the median.
+//! Where a part is cut: the axis, and the band around the median that a minimum cut is looked for
+//! in (inertial flow: Schild and Sommer 2015).
 
 /// The band holds this times n^(-1/3) of the vertices: some layers, however
 /// large the part.

@@ -1,4 +1,5 @@
-//! Cuts a part of the graph in place, again and again, with one set of work arrays.
+//! Nested dissection of a part of the graph in place (George 1973; George and Liu 1978), with one
+//! set of work arrays. Separators are minimum cuts inside a band of vertices.
 
 use super::band::{self, Range};
 use super::graph::Graph;

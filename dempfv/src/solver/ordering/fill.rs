@@ -1,4 +1,4 @@
-//! What an ordering fills in.
+//! How many entries an ordering fills in.
 
 use super::super::elimination_tree::{self as tree, NONE};
 use super::super::{SolverError, SymmetricCsc, require_size};

@@ -1,5 +1,6 @@
 //! A part of the graph, by itself: its vertices are numbered from 0 and lie close
-//! together in memory.
+//! together in memory. What is around it, its halo, is kept for the degrees of its own vertices
+//! (Pellegrini, Roman and Amestoy 2000).
 
 use super::super::SymmetricCsc;
 

@@ -1,4 +1,5 @@
-//! Minimum degree for a small part: rows of bits, with what is around it.
+//! Minimum degree (Tinney and Walker 1967) for a small part by rows of bits, with the halo around
+//! it counted (Pellegrini, Roman and Amestoy 2000).
 
 use super::graph::Graph;
 

@@ -1,6 +1,6 @@
 //! A fill-reducing ordering for networks whose unknowns have coordinates.
 //!
-//! Nested dissection by minimum cuts: a part is cut across its longest side by
+//! Nested dissection (George 1973) by minimum cuts: a part is cut across its longest side by
 //! the smallest set of vertices that separates its first from its last, found as
 //! a maximum flow inside a band around the median (Schild and Sommer 2015 cut
 //! road networks so). What lies apart is ordered apart, then the separator. Small
