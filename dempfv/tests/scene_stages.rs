@@ -34,7 +34,7 @@ fn stages(compact: &str, cycle: &str, consolidate: &str, run: &str) -> String {
         kind = "consolidate"
         wall = "y_max"
         stress = 1.1e4
-        until_tv = 0.01
+        until_tv = 1.0
         max_velocity = 0.1
         {consolidate}
         [[stage]]
