@@ -57,7 +57,7 @@ fn system(packing: &Packing, part: f64) -> Result<(SymmetricCsc, Points)> {
         .bounds_or_tight()
         .ok_or_else(|| InputError::new("no spheres", "give another packing"))?;
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     // Steps without a pattern, the same every time.
     let step = |k: usize, r: f64| part * r * (2.0 * (k as f64 * 0.618_034).fract() - 1.0);

@@ -14,7 +14,7 @@ use dempfv::coupling::{
     Coupled, CouplingError, NetworkBuilder, Order, RemeshRule, StandardBuilder,
 };
 use dempfv::dem::{Dem, DemOptions};
-use dempfv::pfv::Flow;
+use dempfv::pfv::{Flow, PfvError};
 use dempfv::solver::SolverError;
 use dempfv::{Error, Result};
 use moving::{DT, bits, course, drained, every, mode, moving};
@@ -114,10 +114,13 @@ fn a_failure_stops_with_its_cause_and_its_step() {
             let error = coupled.step(DT).unwrap_err();
             let Error::Snapshot { step: 15, source } = &error else { panic!("{error:?}") };
             match (kind, &**source) {
-                (Fault::NotPositiveDefinite, Error::Solver(e)) => {
+                (Fault::NotPositiveDefinite, Error::Pfv(PfvError::Solver(e))) => {
                     assert_eq!(e, &SolverError::NotPositiveDefinite { column: 17 });
                 }
-                (Fault::OutOfMemory, Error::Solver(SolverError::OutOfMemory { .. }))
+                (
+                    Fault::OutOfMemory,
+                    Error::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. })),
+                )
                 | (Fault::NotFinite, Error::Pfv(_)) => {}
                 (Fault::Panic, Error::Coupling(CouplingError::WorkerPanicked { what })) => {
                     assert_eq!(what, "on purpose");
@@ -143,7 +146,10 @@ fn a_failure_at_once_leaves_a_state_to_go_on_from() {
     coupled.build_with(Faulty::new(|k| (k == 2).then_some(Fault::OutOfMemory)));
     course(&mut coupled, 20, DT);
     let error = coupled.step(DT).unwrap_err();
-    assert!(matches!(error, Error::Solver(SolverError::OutOfMemory { .. })), "{error:?}");
+    assert!(
+        matches!(error, Error::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. }))),
+        "{error:?}"
+    );
     let mut again = restored(&coupled, mode(AtOnce));
     assert!(course(&mut again, 30, DT) == expected[20..]);
     assert!(course(&mut coupled, 30, DT) == expected[20..]);

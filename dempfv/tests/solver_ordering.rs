@@ -62,7 +62,7 @@ fn moved(count: usize, part: f64) -> (SymmetricCsc, Points) {
     let packing = Packing::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap();
     let bounds = packing.bounds_or_tight().unwrap();
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let mut next = random(7);
     let mut step = |r: f64| part * r * ((next() % 2001) as f64 * 1e-3 - 1.0);

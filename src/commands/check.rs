@@ -127,7 +127,7 @@ fn count_pores(
     specimen: &mut Specimen,
 ) -> Result<(), Error> {
     let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
-    let boundary = Boundary { pressure };
+    let boundary = Boundary { pressure: pressure.into() };
     let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
     let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
     let (network, derivatives) =

@@ -2,7 +2,7 @@
 
 use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, RemeshRule, Snapshot};
-use crate::pfv::{Flow, Fluid, Iterations, NONE};
+use crate::pfv::{Flow, Iterations, NONE};
 use crate::{Aabb, Result, Vec3, WallId};
 
 /// What the fluid feels of spheres and walls in a step.
@@ -24,12 +24,8 @@ pub(super) struct Motion<'a> {
 pub(super) struct Place<'a> {
     /// Sphere centres (m).
     pub position: &'a [Vec3],
-    /// Radii (m).
-    pub radius: &'a [f64],
     /// The box (m).
     pub bounds: Aabb,
-    /// The fluid that the network was built for.
-    pub fluid: &'a Fluid,
 }
 
 /// Least error that is asked of iterated pressures (1), whatever the
@@ -57,11 +53,12 @@ impl ActiveNetwork {
     /// 2020).
     pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
         let ActiveNetwork { flow, state, iterations, .. } = self;
-        if let Some(Place { position, radius, bounds, fluid }) = motion.place {
-            let wear = phases.time(Phase::Update, || flow.follow(position, radius, &bounds, fluid));
+        if let Some(Place { position, bounds }) = motion.place {
+            let wear = phases.time(Phase::Update, || flow.update_geometry(position, &bounds))?;
             state.worn = wear.inverted + wear.lost > 0;
         }
-        phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
+        phases
+            .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
         if motion.place.is_some() {
             let tolerance = flow.tolerance().max(PRESSURE_ERROR);
             let went = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
@@ -90,7 +87,7 @@ impl ActiveNetwork {
             return;
         }
         let Snapshot { position, bounds, .. } = &self.state.snapshot;
-        let cells = &self.flow.network.tessellation;
+        let cells = &self.flow.network().tessellation;
         let place = |x: &Vec3| match bounds.contains(x) {
             true => cells.locate(position, x),
             false => NONE,

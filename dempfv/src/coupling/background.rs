@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, unbounded};
 
 use super::CouplingError;
-use crate::pfv::{Assembled, Flow, Fluid, Spare};
+use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
 use crate::solver::SolverKind;
 use crate::{Aabb, Result, Vec3};
 
@@ -28,7 +28,7 @@ pub struct Order {
     /// The linear solver.
     pub solver: SolverKind,
     /// A factor that is no longer needed.
-    pub spare: Option<Spare>,
+    pub spare: Option<ReusableAnalysis>,
 }
 
 /// What builds networks: a place for other ways to build them, and for
@@ -59,7 +59,7 @@ impl NetworkBuilder for StandardBuilder {
             return Ok(None);
         }
         let analyzed = assembled.analyze(solver, spare)?;
-        if stop() { Ok(None) } else { analyzed.factor().map(Some) }
+        if stop() { Ok(None) } else { Ok(Some(analyzed.factor()?)) }
     }
 }
 

@@ -57,7 +57,6 @@ pub struct Coupled {
 struct Beside {
     velocity: Vec<Vec3>,
     position: Vec<Vec3>,
-    radius: Vec<f64>,
 }
 
 impl Coupled {
@@ -104,7 +103,7 @@ impl Coupled {
         let particles = self.dem.particles();
         let mut sums = vec![(0.0, 0.0); particles.len()];
         if let Some(flow) = self.flow() {
-            let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
+            let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
             for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
                 for &vertex in cell {
                     if let Some(sum) = sums.get_mut(vertex as usize) {
@@ -154,7 +153,7 @@ impl Coupled {
             && self.networks.is_idle(&saturation.remesh);
         if beside {
             self.networks.begin_step();
-            self.contacts_beside_fluid(dt, &saturation.fluid)?;
+            self.contacts_beside_fluid(dt)?;
         } else {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
@@ -169,12 +168,8 @@ impl Coupled {
                 let particles = dem.particles();
                 let mut motion = motion(dem, &particles.velocity, dt);
                 if follow {
-                    motion.place = Some(Place {
-                        position: &particles.position,
-                        radius: &particles.radius,
-                        bounds: dem.box_(),
-                        fluid: &saturation.fluid,
-                    });
+                    motion.place =
+                        Some(Place { position: &particles.position, bounds: dem.box_() });
                 }
                 wet.advance(&motion, phases)?;
             }
@@ -207,19 +202,13 @@ impl Coupled {
     /// Contact forces, and beside them the fluid's: both follow from positions
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
-    fn contacts_beside_fluid(&mut self, dt: f64, fluid: &Fluid) -> Result<()> {
+    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, networks, phases, beside, .. } = self;
         beside.velocity.clone_from(&dem.particles().velocity);
         let mut motion = motion(dem, &beside.velocity, dt);
         if networks.acceleration().update == Update::EveryStep {
             beside.position.clone_from(&dem.particles().position);
-            beside.radius.clone_from(&dem.particles().radius);
-            motion.place = Some(Place {
-                position: &beside.position,
-                radius: &beside.radius,
-                bounds: dem.box_(),
-                fluid,
-            });
+            motion.place = Some(Place { position: &beside.position, bounds: dem.box_() });
         }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();

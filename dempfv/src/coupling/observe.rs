@@ -72,9 +72,9 @@ impl Coupled {
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
     pub fn mean_pressure(&self) -> f64 {
         self.flow().map_or(0.0, |f| {
-            let volume: f64 = f.network.volume.iter().sum();
+            let volume: f64 = f.network().volume.iter().sum();
             let weighted: f64 =
-                f.pressure().iter().zip(&f.network.volume).map(|(p, v)| p * v).sum();
+                f.pressure().iter().zip(&f.network().volume).map(|(p, v)| p * v).sum();
             weighted / volume
         })
     }

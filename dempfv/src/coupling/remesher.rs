@@ -23,7 +23,7 @@ use super::phases::{Phase, Phases};
 use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
 use super::viscous_bound::FastestMode;
 use crate::dem::{Dem, Particles};
-use crate::pfv::{Extrapolation, Flow, Spare, TransferSource};
+use crate::pfv::{Extrapolation, Flow, ReusableAnalysis, TransferSource};
 use crate::{Error, Result};
 
 /// The network in use and the one that comes next.
@@ -35,7 +35,7 @@ pub(super) struct Remesher {
     pub current: Option<ActiveNetwork>,
     /// Of a network that made room for its successor.
     legacy: Option<Legacy>,
-    spare: Option<Spare>,
+    spare: Option<ReusableAnalysis>,
     pending: Option<Pending>,
     worker: Option<Worker>,
     auto: AutoInterval,
@@ -402,15 +402,16 @@ impl Remesher {
         let mut fastest = FastestMode::default();
         if let Some(Legacy { pressures, state }) = self.legacy.take() {
             fastest = state.fastest.outdated();
-            flow.carry_over(&pressures);
+            flow.transfer_pressures(&pressures);
             self.counts.replaced(site.step - state.snapshot.step);
         }
         let volume_change = match site.saturation.remesh.strain {
             None => vec![],
-            Some(_) if snapshot.step == site.step => vec![0.0; flow.network.pores()],
+            Some(_) if snapshot.step == site.step => vec![0.0; flow.network().pores()],
             Some(_) => {
-                let now = flow.network.volumes_at(&site.dem.particles().position, &site.dem.box_());
-                now.iter().zip(&flow.network.volume).map(|(now, then)| now - then).collect()
+                let now =
+                    flow.network().volumes_at(&site.dem.particles().position, &site.dem.box_());
+                now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
             }
         };
         let state = FluidState {
@@ -482,9 +483,9 @@ impl Remesher {
             .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
-        flow.resume(&state.extrapolation);
+        flow.restore_pressures(&state.extrapolation);
         if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
-            state.volume_change = vec![0.0; flow.network.pores()];
+            state.volume_change = vec![0.0; flow.network().pores()];
         }
         self.put_to_use(flow, state);
         if self.acceleration.remesh != RemeshMode::AtOnce {

@@ -87,7 +87,7 @@ pub(super) fn saturation(fluid: &scene::Fluid) -> Saturation {
             viscosity: fluid.viscosity,
             slip_walls: fluid.slip_walls,
             clamp: fluid.clamp,
-            boundary: pfv::Boundary { pressure: fluid.pressure },
+            boundary: pfv::Boundary { pressure: fluid.pressure.into() },
         },
         solver: fluid.solver,
         remesh: RemeshRule { interval: fluid.remesh_interval, strain: fluid.remesh_strain },

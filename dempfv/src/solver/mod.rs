@@ -47,8 +47,11 @@ mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;
+mod operator;
 pub mod ordering;
+mod pcg;
 mod placement;
+mod refine;
 mod tree;
 
 pub use auto::{Auto, FRONTAL_FROM};
@@ -58,7 +61,10 @@ pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};
 pub use kind::{SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
+pub use operator::{LinearOperator, Preconditioner};
+pub use pcg::{ConjugateGradients, ErrorGoal, Iterations};
 pub use placement::{GpuOptions, GpuWork, Placement};
+pub(crate) use refine::{Refinement, refine};
 
 /// Largest residual of a checked solve (see [`SymmetricCsc::residual`]). A
 /// sound factorization leaves some 10⁻¹⁶.

@@ -73,7 +73,7 @@ impl Input {
         let plan = Plan::from_toml(&timing::scene(packing, specimen, Mode::AllCores), None)?;
         let (position, radius, bounds) = initial_packing(&plan)?;
         let wet = plan.fluid.ok_or_else(|| InputError::new("no fluid", "add a table [fluid]"))?;
-        let boundary = Boundary { pressure: wet.pressure };
+        let boundary = Boundary { pressure: wet.pressure.into() };
         let (slip_walls, clamp) = (wet.slip_walls, wet.clamp);
         let fluid = Fluid { viscosity: wet.viscosity, slip_walls, clamp, boundary };
         Ok(Input { position, radius, bounds, fluid })

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use dempfv::dem::DemError;
 use dempfv::io::checkpoint;
+use dempfv::pfv::PfvError;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::{Simulation, State};
 use dempfv::{Error, Result};
@@ -242,7 +243,7 @@ fn is_spoilt(error: &Error) -> bool {
     match error {
         Error::AtStep { source, .. } | Error::Snapshot { source, .. } => is_spoilt(source),
         Error::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
-        Error::Pfv(_) => true,
+        Error::Pfv(error) => !matches!(error, PfvError::Solver(_)),
         _ => false,
     }
 }

@@ -33,8 +33,8 @@ impl State {
         let lower = WallId::ALL[2 * axis.index()];
         let mut saturation = setup::saturation(fluid);
         saturation.fluid.boundary = Boundary::default();
-        saturation.fluid.boundary.pressure[lower.index()] = Some(1.0);
-        saturation.fluid.boundary.pressure[lower.opposite().index()] = Some(0.0);
+        saturation.fluid.boundary.pressure[lower] = Some(1.0);
+        saturation.fluid.boundary.pressure[lower.opposite()] = Some(0.0);
 
         let dem = &context.coupled.dem;
         let particles = dem.particles();
@@ -45,10 +45,10 @@ impl State {
             &saturation.fluid,
             saturation.solver,
         )
-        .map_err(|e| with_users_numbers(e, particles))?;
+        .map_err(|e| with_users_numbers(e.into(), particles))?;
         context.coupled.book_flow(flow.build_times());
         context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
-        let measured = flow.permeability(lower, &saturation.fluid);
+        let measured = flow.permeability(lower);
         let measured = measured
             .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
         let dem = &context.coupled.dem;
@@ -60,8 +60,8 @@ impl State {
             imbalance: measured.imbalance,
             kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.particles().radius)),
             porosity,
-            pores: flow.network.pores() as u64,
-            unknowns: flow.operators.unknowns() as u64,
+            pores: flow.network().pores() as u64,
+            unknowns: flow.operators().unknowns() as u64,
             residual: flow.residual().unwrap_or(0.0),
         })))
     }

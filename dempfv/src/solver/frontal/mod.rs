@@ -37,11 +37,13 @@ mod sweep;
 mod symbolic;
 mod system;
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use super::{
-    Analysis, Backend, Factor, Placement, SolverError, Symbolic, SymmetricCsc, blas, cholmod,
-    ordering, require_size,
+    Analysis, Backend, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc, blas,
+    cholmod, ordering, refine, require_size,
 };
 use crate::parallel::{advise_huge_pages, max_norm};
 use apply::Solve;
@@ -236,6 +238,48 @@ impl FrontalFactor {
     }
 }
 
+/// A solution by the factor, corrected until that no longer helps.
+struct Refined<'a> {
+    factor: &'a mut FrontalFactor,
+    b: &'a [f64],
+    x: &'a mut [f64],
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    /// Size of the last correction; at first that of the solution.
+    last: f64,
+    /// Corrections in a row that did not shrink.
+    stalled: u32,
+}
+
+impl Refinement for Refined<'_> {
+    fn evaluate_residual(&mut self) {
+        self.factor.system.residual(self.b, self.x, &mut self.residual);
+    }
+
+    fn evaluate_correction(&mut self) -> Result<(), SolverError> {
+        let size = max_norm(&self.residual);
+        self.factor.apply(&self.residual, size, &mut self.correction);
+        Ok(())
+    }
+
+    fn correct(&mut self, _round: usize) -> ControlFlow<()> {
+        let size = max_norm(&self.correction);
+        // One that does not shrink may have been behind the noise of the
+        // one before; two are round-off.
+        self.stalled = if size > 0.5 * self.last { self.stalled + 1 } else { 0 };
+        if size == 0.0 || size.is_nan() || self.stalled == 2 {
+            return ControlFlow::Break(());
+        }
+        self.x.iter_mut().zip(&self.correction).for_each(|(x, c)| *x += c);
+        // The next one would shrink as this one has.
+        if size * (size / self.last) <= SETTLED * max_norm(self.x) {
+            return ControlFlow::Break(());
+        }
+        self.last = size;
+        ControlFlow::Continue(())
+    }
+}
+
 impl Factor for FrontalFactor {
     fn analysis(&self) -> Analysis {
         self.analyzed.analysis
@@ -247,27 +291,12 @@ impl Factor for FrontalFactor {
         require_size("the solution", n, x.len())?;
         let size = self.size_of(b)?;
         self.apply(b, size, x);
-        let mut residual = std::mem::take(&mut self.residual);
-        let mut correction = std::mem::take(&mut self.correction);
-        let (mut last, mut stalled) = (max_norm(x), 0);
-        for _ in 0..CORRECTIONS {
-            self.system.residual(b, x, &mut residual);
-            let size = max_norm(&residual);
-            self.apply(&residual, size, &mut correction);
-            let size = max_norm(&correction);
-            // One that does not shrink may have been behind the noise of the
-            // one before; two are round-off.
-            stalled = if size > 0.5 * last { stalled + 1 } else { 0 };
-            if size == 0.0 || size.is_nan() || stalled == 2 {
-                break;
-            }
-            x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
-            // The next one would shrink as this one has.
-            if size * (size / last) <= SETTLED * max_norm(x) {
-                break;
-            }
-            last = size;
-        }
+        let residual = std::mem::take(&mut self.residual);
+        let correction = std::mem::take(&mut self.correction);
+        let last = max_norm(x);
+        let mut refined = Refined { factor: self, b, x, residual, correction, last, stalled: 0 };
+        refine(&mut refined, CORRECTIONS)?;
+        let Refined { residual, correction, .. } = refined;
         self.residual = residual;
         self.correction = correction;
         Ok(())
