@@ -127,7 +127,7 @@ fn parts(c: &mut Criterion) {
         let velocity: Vec<Vec3> = x.iter().map(|x| Vec3::new(0.0, -x.y, 0.0)).collect();
         let walls = [0.0; 6];
         limits.bench(&mut group, id("volume_rates"), &works.operator, &pool, || {
-            flow.update_volume_rate(&velocity, &walls);
+            flow.update_volume_rate(&velocity, &walls).expect("volume rates");
         });
         limits.bench(&mut group, id("solve"), &works.solve, &pool, || {
             flow.update_pressure().expect("pressures");

@@ -163,7 +163,7 @@ fn the_stated_error_is_not_below_the_true_one() {
             let to = moved(&s, by);
             let mut flow = flow(&s, Clamp::None);
             update(&mut flow, &to);
-            flow.update_volume_rate(&velocities(&s), &WALLS);
+            flow.update_volume_rate(&velocities(&s), &WALLS).unwrap();
             let went = flow.iterate(tolerance).unwrap();
             assert!(went.error <= tolerance, "{by:e} {tolerance:e} {went:?}");
             let exact = exact(&flow);
