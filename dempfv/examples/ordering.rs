@@ -44,7 +44,7 @@ fn system(packing: &Packing) -> Result<(SymmetricCsc, Points)> {
         .bounds_or_tight()
         .ok_or_else(|| InputError::new("no spheres", "give another packing"))?;
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let (network, derivatives) = Network::new(&packing.position, &packing.radius, bounds, &fluid)?;
     let operators = Operators::new(&network, derivatives, fluid.boundary)?;

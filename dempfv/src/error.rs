@@ -88,7 +88,6 @@ impl From<CouplingError> for Error {
         match error {
             CouplingError::Dem(error) => error.into(),
             CouplingError::Pfv(error) => error.into(),
-            CouplingError::Solver(error) => error.into(),
             foreign @ CouplingError::ForeignState { .. } => {
                 let remedy = "take a state that this version of dempfv has made";
                 InputError::new(foreign.to_string(), remedy).into()

@@ -162,7 +162,7 @@ fn the_strain_stays_below_its_limit() {
         let mut largest = 0.0f64;
         for _ in 0..1500 {
             coupled.step(0.1 * DT).unwrap();
-            let network = &coupled.flow().unwrap().network;
+            let network = &coupled.flow().unwrap().network();
             let now =
                 network.volumes_at(&coupled.dem().particles().position, &coupled.dem().box_());
             let strains = now.iter().zip(&network.volume).map(|(now, v)| ((now - v) / v).abs());

@@ -14,7 +14,7 @@ use dempfv::coupling::{Acceleration, OnFailure, RemeshMode};
 use dempfv::coupling::{
     Coupled, CouplingError, NetworkBuilder, NetworkRequest, RemeshRule, StandardBuilder,
 };
-use dempfv::pfv::Flow;
+use dempfv::pfv::{Flow, PfvError};
 use dempfv::solver::SolverError;
 use moving::{DT, bits, course, every, mode, moving};
 
@@ -116,10 +116,13 @@ fn a_failure_stops_with_its_cause_and_its_step() {
             let error = coupled.step(DT).unwrap_err();
             let CouplingError::Snapshot { step: 15, source } = &error else { panic!("{error:?}") };
             match (kind, &**source) {
-                (Fault::NotPositiveDefinite, CouplingError::Solver(e)) => {
+                (Fault::NotPositiveDefinite, CouplingError::Pfv(PfvError::Solver(e))) => {
                     assert_eq!(e, &SolverError::NotPositiveDefinite { column: 17 });
                 }
-                (Fault::OutOfMemory, CouplingError::Solver(SolverError::OutOfMemory { .. }))
+                (
+                    Fault::OutOfMemory,
+                    CouplingError::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. })),
+                )
                 | (Fault::NotFinite, CouplingError::Pfv(_)) => {}
                 (Fault::Panic, CouplingError::WorkerPanicked { what }) => {
                     assert_eq!(what, "on purpose");
@@ -145,7 +148,10 @@ fn a_failure_at_once_leaves_a_state_to_go_on_from() {
     coupled.build_with(Faulty::new(|k| (k == 2).then_some(Fault::OutOfMemory)));
     course(&mut coupled, 20, DT);
     let error = coupled.step(DT).unwrap_err();
-    assert!(matches!(error, CouplingError::Solver(SolverError::OutOfMemory { .. })), "{error:?}");
+    assert!(
+        matches!(error, CouplingError::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. }))),
+        "{error:?}"
+    );
     let mut again = restored(&coupled);
     assert!(course(&mut again, 30, DT) == expected[20..]);
     assert!(course(&mut coupled, 30, DT) == expected[20..]);

@@ -13,7 +13,7 @@ use dempfv::{Vec3, WallId};
 
 fn saturation(remesh: RemeshRule) -> Saturation {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-9, slip_walls: true, clamp: Clamp::None, boundary };
     Saturation { fluid, solver: SolverKind::default(), remesh }
 }
@@ -140,7 +140,7 @@ fn a_hidden_sphere_still_carries_contacts() {
     for step in 0..20 {
         coupled.step(1e-5).unwrap();
         let flow = coupled.flow().unwrap();
-        assert_eq!(flow.network.tessellation.hidden, [at as u32], "step {step}");
+        assert_eq!(flow.network().tessellation.hidden, [at as u32], "step {step}");
         assert_eq!(flow.force()[at], Vec3::zeros());
         let touching = coupled.dem().contacts().filter(|c| {
             let other = match c.partner {

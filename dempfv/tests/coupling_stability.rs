@@ -20,7 +20,7 @@ const SYRUP: f64 = 1e3;
 /// A fluid that drains through y_max.
 fn fluid(viscosity: f64) -> Fluid {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     Fluid { viscosity, slip_walls: true, clamp: Clamp::None, boundary }
 }
 

@@ -12,7 +12,7 @@ use dempfv::coupling::{
     Coupled, CoupledState, CouplingError, NetworkBuilder, NetworkRequest, RemeshMode,
     StandardBuilder,
 };
-use dempfv::pfv::Flow;
+use dempfv::pfv::{Flow, PfvError};
 use dempfv::solver::SolverError;
 use dempfv::{Error, Vec3};
 use moving::{DT, bits, course, dem_of, drained, every, mode, moving};
@@ -141,7 +141,7 @@ impl NetworkBuilder for OneOnly {
     ) -> Result<Option<Flow>, CouplingError> {
         match self.0.fetch_add(1, Ordering::SeqCst) {
             0 => StandardBuilder.build(request, cancelled),
-            _ => Err(SolverError::NotPositiveDefinite { column: 3 }.into()),
+            _ => Err(PfvError::from(SolverError::NotPositiveDefinite { column: 3 }).into()),
         }
     }
 }

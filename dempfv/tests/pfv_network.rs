@@ -4,13 +4,13 @@ mod common;
 
 use common::{Random, Spheres, cubic, face_centred, few, loose, settled, unit_box};
 use dempfv::pfv::{Boundary, Clamp, Fluid, NONE, Network, Operators, PfvError};
-use dempfv::{Vec3, WallId};
+use dempfv::{Aabb, PerWall, Vec3, WallId};
 
 const DRAINED_TOP: Fluid = Fluid {
     viscosity: 1e-3,
     slip_walls: true,
     clamp: Clamp::None,
-    boundary: Boundary { pressure: [None, None, None, Some(0.0), None, None] },
+    boundary: Boundary { pressure: PerWall([None, None, None, Some(0.0), None, None]) },
 };
 
 fn network(s: &Spheres) -> Network {
@@ -214,13 +214,57 @@ fn an_isolated_pore_is_named() {
     assert!(error.contains("17") && error.contains("_min"), "{error}");
 }
 
-/// No spheres and coordinates that are no numbers are errors and not panics.
+/// Input that cannot be right is refused, with the argument's name and the entry's number.
 #[test]
 fn impossible_packings_are_errors() {
     assert_eq!(
         Network::new(&[], &[], unit_box(1.0), &DRAINED_TOP).unwrap_err(),
         PfvError::NoSpheres
     );
-    let nan = Network::new(&[Vec3::repeat(f64::NAN)], &[0.1], unit_box(1.0), &DRAINED_TOP);
-    assert!(matches!(nan, Err(PfvError::Triangulation { .. })), "{nan:?}");
+    let (inside, outside) = (Vec3::repeat(0.5), Vec3::new(0.5, 1.5, 0.5));
+    let inverted = Aabb { min: Vec3::repeat(1.0), max: Vec3::new(2.0, 0.0, 2.0) };
+    let cube = unit_box(1.0);
+    let viscosity = Fluid { viscosity: 0.0, ..DRAINED_TOP };
+    let mut pressure = DRAINED_TOP;
+    pressure.boundary.pressure[WallId::YMax] = Some(f64::INFINITY);
+    type Case<'a> = (&'a [Vec3], &'a [f64], Aabb, Fluid, &'a str, Option<usize>);
+    let cases: [Case; 9] = [
+        (&[inside, Vec3::repeat(f64::NAN)], &[0.1; 2], cube, DRAINED_TOP, "position", Some(1)),
+        (&[inside, outside], &[0.1; 2], cube, DRAINED_TOP, "position", Some(1)),
+        (&[inside], &[0.1; 2], cube, DRAINED_TOP, "radius", None),
+        (&[inside; 3], &[0.1, -0.1, 0.1], cube, DRAINED_TOP, "radius", Some(1)),
+        (&[inside; 3], &[0.1, 0.1, f64::NAN], cube, DRAINED_TOP, "radius", Some(2)),
+        (&[inside], &[0.1], inverted, DRAINED_TOP, "bounds", Some(1)),
+        (&[inside], &[0.1], unit_box(f64::NAN), DRAINED_TOP, "bounds", Some(0)),
+        (&[inside], &[0.1], cube, viscosity, "fluid.viscosity", None),
+        (&[inside], &[0.1], cube, pressure, "fluid.boundary.pressure", Some(3)),
+    ];
+    for (x, r, bounds, fluid, name, entry) in cases {
+        match Network::new(x, r, bounds, &fluid) {
+            Err(PfvError::InvalidInput { argument, index, .. }) => {
+                assert_eq!((argument, index), (name, entry));
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    // The sphere has the number that its owner gave it.
+    let error = Network::new(&[inside, outside], &[0.1; 2], cube, &DRAINED_TOP).unwrap_err();
+    assert!(error.with_numbers(&[7, 17]).to_string().starts_with("position[17]: "));
+}
+
+/// The pores fill the box: their volumes times their centroids are the box's, to round-off,
+/// whatever walls they reach to.
+#[test]
+fn centroids_are_the_middles_of_volumes() {
+    for s in [settled(), loose(), few(1), few(2), cubic(4, 0.1)] {
+        let n = network(&s);
+        let centroids = n.centroids(&s.x, &s.bounds);
+        let moment: Vec3 = centroids.iter().zip(&n.volume).map(|(x, v)| *v * x).sum();
+        let off = moment / s.bounds.volume() - s.bounds.center();
+        assert!(off.norm() < 1e-12 * s.bounds.size().norm(), "{off:?}");
+        // Each lies in its pore.
+        for (pore, x) in centroids.iter().enumerate().step_by(97) {
+            assert_eq!(n.tessellation.locate(&s.x, x), pore as u32);
+        }
+    }
 }

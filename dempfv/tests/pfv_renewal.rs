@@ -16,8 +16,8 @@ use dempfv::{Vec3, WallId};
 /// 1 Pa below, 0 above.
 fn fluid(viscosity: f64) -> Fluid {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMin.index()] = Some(1.0);
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMin] = Some(1.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     Fluid { viscosity, slip_walls: true, clamp: Clamp::None, boundary }
 }
 
@@ -52,8 +52,8 @@ fn other_conductances_take_no_second_analysis() {
         assert!(again.analysis_reused());
         let mut anew = flow(&s, 2e-3);
         let nothing = anew.extrapolation().clone();
-        again.resume(&nothing, &[]);
-        anew.resume(&nothing, &[]);
+        again.restore_pressures(&nothing, &[]);
+        anew.restore_pressures(&nothing, &[]);
         again.solve_static().unwrap();
         anew.solve_static().unwrap();
         assert!(bits(again.pressure()) == bits(anew.pressure()));
@@ -91,7 +91,7 @@ fn pressures_are_carried_over() {
         cell.sort_unstable();
         cell
     };
-    let before: HashMap<[u32; 4], f64> = (old.network.tessellation.cells.iter())
+    let before: HashMap<[u32; 4], f64> = (old.network().tessellation.cells.iter())
         .map(|c| sorted(*c))
         .zip(old.pressure().iter().copied())
         .collect();
@@ -100,8 +100,8 @@ fn pressures_are_carried_over() {
     let (mut same, mut others) = (0, 0);
     let mut anew = flow(&other, 1e-3);
     anew.solve_static().unwrap();
-    for (i, cell) in again.network.tessellation.cells.iter().enumerate() {
-        if again.operators.imposed(i).is_some() {
+    for (i, cell) in again.network().tessellation.cells.iter().enumerate() {
+        if again.operators().imposed(i).is_some() {
             continue;
         }
         match before.get(&sorted(*cell)) {
@@ -144,7 +144,7 @@ fn a_packing_at_rest_is_analyzed_once() {
         // No flow: both walls have the same pressure.
         let saturation = |viscosity| {
             let mut fluid = fluid(viscosity);
-            fluid.boundary.pressure[WallId::YMin.index()] = Some(0.0);
+            fluid.boundary.pressure[WallId::YMin] = Some(0.0);
             let remesh = RemeshRule { interval: Some(5), strain: None };
             Saturation { fluid, solver: SolverKind::default(), remesh }
         };

@@ -23,13 +23,13 @@ fn sparse(n: usize, keep: usize, seed: u64) -> Spheres {
 
 fn permeability(s: &Spheres) -> f64 {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMin.index()] = Some(1.0);
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMin] = Some(1.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let mut flow = Flow::new(&s.x, &s.r, s.bounds, &fluid, SolverKind::default()).unwrap();
     flow.solve_static().unwrap();
-    assert!(flow.network.center.iter().all(|c| c.iter().all(|v| v.is_finite())));
-    flow.permeability(WallId::YMin, &fluid).unwrap().value
+    assert!(flow.network().center.iter().all(|c| c.iter().all(|v| v.is_finite())));
+    flow.permeability(WallId::YMin).unwrap().value
 }
 
 /// 60 lattices with vacancies give finite answers, and the same within 3 % when

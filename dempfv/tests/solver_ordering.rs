@@ -61,7 +61,7 @@ fn packing(count: usize) -> (SymmetricCsc, Points) {
     let packing = Packing::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap();
     let bounds = packing.bounds_or_tight().unwrap();
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid).unwrap();

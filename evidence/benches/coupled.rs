@@ -26,7 +26,7 @@ const GRADIENT: f64 = 4.0 * (4.0 + 24.0) + 8.0;
 /// Water, drained at the top.
 fn fluid() -> Fluid {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary }
 }
 
@@ -67,10 +67,10 @@ struct Works {
 
 impl Works {
     fn new(flow: &Flow, factor: &dyn Factor, contacts: usize) -> Works {
-        let (pores, unknowns) = (flow.network.pores(), flow.operators.unknowns());
+        let (pores, unknowns) = (flow.network().pores(), flow.operators().unknowns());
         let analysis = factor.analysis();
         let each = |total: f64| total / unknowns as f64;
-        let entries = each(flow.operators.matrix.nnz() as f64);
+        let entries = each(flow.operators().matrix.nnz() as f64);
         let (l, nnz) = (each(factor.memory_bytes() as f64), each(analysis.nnz_l as f64));
         let of_pores = |bytes, flops| Work { count: pores, unit: "pores", bytes, flops };
         let of_unknowns = |bytes, flops| Work { count: unknowns, unit: "unknowns", bytes, flops };
@@ -105,14 +105,14 @@ fn parts(c: &mut Criterion) {
         let mut flow = Flow::new(x, r, bounds, &fluid(), SolverKind::default()).expect("a flow");
         let mut coupled = specimen(&packing, bounds);
         coupled.step(1e-6).expect("the first step, with its network");
-        let matrix = flow.operators.matrix.clone();
-        let centers = flow.operators.pore_of.iter().map(|&i| flow.network.center[i as usize]);
+        let matrix = flow.operators().matrix.clone();
+        let centers = flow.operators().pore_of.iter().map(|&i| flow.network().center[i as usize]);
         let points: Vec<[f64; 3]> = centers.map(Into::into).collect();
         let backend = SolverKind::default().backend();
         let analyze = || backend.analyze(&matrix, Some(&points)).expect("an analysis");
         let factor = analyze().factor(&matrix).expect("a factor");
         let works = Works::new(&flow, &*factor, coupled.dem().contacts().count());
-        println!("{count} spheres: {} pores, nnz(L) {}", flow.network.pores(), flow.nnz_l());
+        println!("{count} spheres: {} pores, nnz(L) {}", flow.network().pores(), flow.nnz_l());
 
         floor.bench(&mut group, id("network"), &works.network, &pool, || {
             let (network, derivatives) = Network::new(x, r, bounds, &fluid()).expect("a network");
@@ -127,7 +127,7 @@ fn parts(c: &mut Criterion) {
         let velocity: Vec<Vec3> = x.iter().map(|x| Vec3::new(0.0, -x.y, 0.0)).collect();
         let walls = [0.0; 6];
         floor.bench(&mut group, id("volume_rates"), &works.operator, &pool, || {
-            flow.update_volume_rate(&velocity, &walls);
+            flow.update_volume_rate(&velocity, &walls).expect("volume rates");
         });
         floor.bench(&mut group, id("solve"), &works.solve, &pool, || {
             flow.update_pressure().expect("pressures");

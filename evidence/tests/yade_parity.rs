@@ -67,7 +67,7 @@ impl Parity {
                 viscosity: reference.viscosity,
                 slip_walls: case.slip,
                 clamp: if case.clamp { Clamp::Yade } else { Clamp::None },
-                boundary: Boundary { pressure: reference.pressure },
+                boundary: Boundary { pressure: reference.pressure.into() },
             };
             let solver = SolverKind::default();
             let mut flow =
@@ -76,7 +76,7 @@ impl Parity {
             flow
         };
         let flows: Vec<Flow> = reference.yade.iter().map(flow).collect();
-        let cells = &flows[0].network.tessellation.cells;
+        let cells = &flows[0].network().tessellation.cells;
         let numbers: HashMap<[u32; 4], usize> =
             cells.iter().enumerate().map(|(i, c)| (sorted(*c), i)).collect();
         let theirs: BTreeSet<[u32; 4]> = reference.cells.iter().copied().map(sorted).collect();
@@ -87,7 +87,7 @@ impl Parity {
 
     /// Our conductance of each of the reference's throats.
     fn conductances(&self, flow: &Flow) -> Vec<f64> {
-        let network = &flow.network;
+        let network = flow.network();
         let between = |&[i, j]: &[u32; 2]| {
             let (i, j) = (self.ours[i as usize], self.ours[j as usize]);
             let around = network.tessellation.neighbors[i];

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use dempfv::io::matrix_market;
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE};
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, UnknownClamp};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Error, InputError, Vec3, WallId};
@@ -79,7 +79,8 @@ impl FluidArgs {
                 "give the dynamic viscosity in Pa·s; water has 1e-3",
             ));
         }
-        let clamp: Clamp = self.clamp.parse()?;
+        let clamp: Clamp =
+            self.clamp.parse().map_err(|e: UnknownClamp| InputError::new(e.to_string(), ""))?;
         let solver = self.solver.parse().map_err(|e| InputError::new(format!("{e}"), ""))?;
         Ok((Fluid { viscosity: self.viscosity, slip_walls: self.slip, clamp, boundary }, solver))
     }
@@ -137,7 +138,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     flow.solve_static()?;
     let mut report = report(&flow, &packing.radius, &fluid);
     if let Some(file) = &args.matrix {
-        matrix_market::write_matrix(file, &flow.operators.matrix)?;
+        matrix_market::write_matrix(file, &flow.operators().matrix)?;
     }
     if let Some(folder) = folder {
         output::make_folder(&folder)?;
@@ -168,8 +169,8 @@ fn announce(pores: usize, spheres: usize) {
 fn boundary(pressures: &[String]) -> Result<Boundary, InputError> {
     let mut boundary = Boundary::default();
     if pressures.is_empty() {
-        boundary.pressure[WallId::YMin.index()] = Some(1.0);
-        boundary.pressure[WallId::YMax.index()] = Some(0.0);
+        boundary.pressure[WallId::YMin] = Some(1.0);
+        boundary.pressure[WallId::YMax] = Some(0.0);
     }
     for text in pressures {
         let wrong = |why: String| {
@@ -186,7 +187,7 @@ fn boundary(pressures: &[String]) -> Result<Boundary, InputError> {
         if !value.is_finite() {
             return Err(wrong(format!("`{value}` is not finite")));
         }
-        if boundary.pressure[wall.index()].replace(value).is_some() {
+        if boundary.pressure[wall].replace(value).is_some() {
             return Err(wrong(format!("{wall} has two pressures")));
         }
     }
@@ -194,11 +195,11 @@ fn boundary(pressures: &[String]) -> Result<Boundary, InputError> {
 }
 
 fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
-    let network = &flow.network;
+    let network = flow.network();
     let t = &network.tessellation;
     let pores = network.pores();
     let by_name = |w: WallId| w.name();
-    let upstream = WallId::ALL.into_iter().find(|w| fluid.boundary.pressure[w.index()].is_some());
+    let upstream = WallId::ALL.into_iter().find(|w| fluid.boundary.pressure[*w].is_some());
     let solid: f64 = radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     Report {
         spheres: radius.len(),
@@ -212,7 +213,7 @@ fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
         center: network.center.clone(),
         volume: network.volume.clone(),
         pressure: flow.pressure().to_vec(),
-        imposed: (0..pores).map(|i| flow.operators.imposed(i).is_some()).collect(),
+        imposed: (0..pores).map(|i| flow.operators().imposed(i).is_some()).collect(),
         conductance: (0..pores).map(|i| network.conductances_of(i)).collect(),
         force: flow.force().to_vec(),
         wall_force: WallId::ALL
@@ -220,10 +221,10 @@ fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
             .map(|w| (by_name(w), flow.wall_force()[w.index()]))
             .collect(),
         flux: WallId::ALL.into_iter().map(|w| (by_name(w), flow.flux()[w.index()])).collect(),
-        permeability_m2: upstream.and_then(|w| flow.permeability(w, fluid)).map(|k| k.value),
+        permeability_m2: upstream.and_then(|w| flow.permeability(w)).map(|k| k.value),
         porosity: 1.0 - solid / network.bounds.volume(),
         hidden: t.hidden.clone(),
-        unknowns: flow.operators.unknowns(),
+        unknowns: flow.operators().unknowns(),
         residual: flow.residual(),
         written: None,
     }

@@ -49,12 +49,12 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let mut axes = Vec::new();
     for (axis, wall) in [("x", WallId::XMin), ("y", WallId::YMin), ("z", WallId::ZMin)] {
         let mut boundary = Boundary::default();
-        boundary.pressure[wall.index()] = Some(1.0);
-        boundary.pressure[wall.opposite().index()] = Some(0.0);
+        boundary.pressure[wall] = Some(1.0);
+        boundary.pressure[wall.opposite()] = Some(0.0);
         let (fluid, solver) = args.fluid.fluid(boundary)?;
         let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
         flow.solve_static()?;
-        let measured = flow.permeability(wall, &fluid);
+        let measured = flow.permeability(wall);
         let k = measured
             .ok_or_else(|| InputError::new("no flow to measure", "give a packing with pores"))?;
         axes.push(Axis {

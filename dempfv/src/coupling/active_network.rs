@@ -4,7 +4,7 @@ use super::error::Result;
 use super::fluid_state::{FluidState, Followed, Snapshot};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
-use crate::pfv::{Flow, Fluid, Iterations, NONE};
+use crate::pfv::{Flow, Iterations, NONE};
 use crate::{Aabb, Vec3, WallId};
 
 /// How spheres and walls move in a step, as the fluid feels it.
@@ -26,12 +26,8 @@ pub(super) struct SolidMotion<'a> {
 pub(super) struct SolidGeometry<'a> {
     /// Sphere centres (m).
     pub position: &'a [Vec3],
-    /// Radii (m).
-    pub radius: &'a [f64],
     /// The box (m).
     pub bounds: Aabb,
-    /// The fluid that the network was built for.
-    pub fluid: &'a Fluid,
 }
 
 /// Least error that is asked of iterated pressures (1), whatever the
@@ -59,10 +55,11 @@ impl ActiveNetwork {
     /// 2020).
     pub fn advance(&mut self, motion: &SolidMotion, phases: &mut Phases) -> Result<()> {
         if let Some(geometry) = &motion.geometry {
-            phases.time(Phase::Update, || self.follow(geometry));
+            phases.time(Phase::Update, || self.update_geometry(geometry))?;
         }
         let ActiveNetwork { flow, state, iterations, .. } = self;
-        phases.time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls));
+        phases
+            .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
         if motion.geometry.is_some() {
             let tolerance = flow.tolerance().max(PRESSURE_ERROR);
             let solve = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
@@ -86,10 +83,10 @@ impl ActiveNetwork {
     }
 
     /// Takes the network along with its spheres, and remembers where to.
-    fn follow(&mut self, geometry: &SolidGeometry) {
-        let SolidGeometry { position, radius, bounds, fluid } = *geometry;
-        let wear = self.flow.follow(position, radius, &bounds, fluid);
-        self.state.exhausted = wear.inverted + wear.lost > 0;
+    fn update_geometry(&mut self, geometry: &SolidGeometry) -> Result<()> {
+        let SolidGeometry { position, bounds } = *geometry;
+        let degradation = self.flow.update_geometry(position, &bounds)?;
+        self.state.exhausted = degradation.inverted + degradation.lost > 0;
         match &mut self.state.followed {
             Some(followed) => {
                 followed.position.clear();
@@ -98,16 +95,21 @@ impl ActiveNetwork {
             }
             none => *none = Some(Followed { position: position.to_vec(), bounds }),
         }
+        Ok(())
     }
 
     /// Brings a network that was built again to where its last step left it:
     /// pressures, forces and fluxes are those of that step.
-    pub fn resume(&mut self, radius: &[f64], fluid: &Fluid) {
+    ///
+    /// # Errors
+    /// When the state has another number of spheres.
+    pub fn resume(&mut self) -> Result<()> {
         let ActiveNetwork { flow, state, .. } = self;
         if let Some(Followed { position, bounds }) = &state.followed {
-            flow.follow(position, radius, bounds, fluid);
+            flow.update_geometry(position, bounds)?;
         }
-        flow.resume(&state.extrapolation, &state.volume_rate);
+        flow.restore_pressures(&state.extrapolation, &state.volume_rate);
+        Ok(())
     }
 
     /// Looks for the pores that hold the points (m), once for each network.
@@ -116,7 +118,7 @@ impl ActiveNetwork {
             return;
         }
         let Snapshot { position, bounds, .. } = &self.state.snapshot;
-        let cells = &self.flow.network.tessellation;
+        let cells = &self.flow.network().tessellation;
         let place = |x: &Vec3| match bounds.contains(x) {
             true => cells.locate(position, x),
             false => NONE,

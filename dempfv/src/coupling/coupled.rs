@@ -19,7 +19,7 @@ use super::viscous_bound;
 use crate::Vec3;
 use crate::dem::{Dem, DemError, WallControl};
 use crate::parallel::spinning;
-use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
+use crate::pfv::{BuildTimes, Flow, ViscousMode};
 
 /// Spheres from which on the threads that wait keep their processors busy: with
 /// fewer, most of a step is done by one thread.
@@ -55,7 +55,6 @@ pub struct Coupled {
 struct OverlapBuffers {
     velocity: Vec<Vec3>,
     position: Vec<Vec3>,
-    radius: Vec<f64>,
 }
 
 impl Coupled {
@@ -137,7 +136,7 @@ impl Coupled {
             && self.remesher.is_idle(&saturation.remesh);
         if overlaps {
             self.remesher.begin_step();
-            self.contacts_beside_fluid(dt, &saturation.fluid)?;
+            self.contacts_beside_fluid(dt)?;
         } else {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
@@ -152,12 +151,8 @@ impl Coupled {
                 let particles = dem.particles();
                 let mut motion = motion(dem, &particles.velocity, dt);
                 if follow {
-                    motion.geometry = Some(SolidGeometry {
-                        position: &particles.position,
-                        radius: &particles.radius,
-                        bounds: dem.box_(),
-                        fluid: &saturation.fluid,
-                    });
+                    motion.geometry =
+                        Some(SolidGeometry { position: &particles.position, bounds: dem.box_() });
                 }
                 network.advance(&motion, phases)?;
             }
@@ -190,19 +185,14 @@ impl Coupled {
     /// Contact forces, and beside them the fluid's: both follow from positions
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
-    fn contacts_beside_fluid(&mut self, dt: f64, fluid: &Fluid) -> Result<()> {
+    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, remesher, phases, overlap, .. } = self;
         overlap.velocity.clone_from(&dem.particles().velocity);
         let mut motion = motion(dem, &overlap.velocity, dt);
         if remesher.acceleration().update == Update::EveryStep {
             overlap.position.clone_from(&dem.particles().position);
-            overlap.radius.clone_from(&dem.particles().radius);
-            motion.geometry = Some(SolidGeometry {
-                position: &overlap.position,
-                radius: &overlap.radius,
-                bounds: dem.box_(),
-                fluid,
-            });
+            motion.geometry =
+                Some(SolidGeometry { position: &overlap.position, bounds: dem.box_() });
         }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();

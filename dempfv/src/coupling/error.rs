@@ -2,7 +2,6 @@
 
 use crate::dem::DemError;
 use crate::pfv::PfvError;
-use crate::solver::SolverError;
 
 /// A coupled step, or a network for it, has failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,9 +13,6 @@ pub enum CouplingError {
     /// The pore network cannot be built or used.
     #[error(transparent)]
     Pfv(#[from] PfvError),
-    /// The linear solver failed.
-    #[error(transparent)]
-    Solver(#[from] SolverError),
     /// A network cannot be built from the positions of an earlier step.
     #[error("the network of the positions at step {step}: {source}")]
     Snapshot {
@@ -81,21 +77,9 @@ impl CouplingError {
     pub fn spoils_state(&self) -> bool {
         match self {
             CouplingError::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
-            CouplingError::Pfv(_) => true,
+            CouplingError::Pfv(error) => !matches!(error, PfvError::Solver(_)),
             CouplingError::Snapshot { source, .. } => source.spoils_state(),
             _ => false,
-        }
-    }
-}
-
-impl From<crate::Error> for CouplingError {
-    fn from(error: crate::Error) -> Self {
-        match error {
-            crate::Error::Dem(e) => e.into(),
-            crate::Error::Pfv(e) => e.into(),
-            crate::Error::Solver(e) => e.into(),
-            crate::Error::Coupling(e) => e,
-            _ => CouplingError::NoNetwork,
         }
     }
 }

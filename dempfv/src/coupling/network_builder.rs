@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::Result;
-use crate::pfv::{Assembled, Flow, Fluid, Spare};
+use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
 use crate::solver::SolverKind;
 use crate::{Aabb, Vec3};
 
@@ -20,7 +20,7 @@ pub struct NetworkRequest {
     /// The linear solver.
     pub solver: SolverKind,
     /// A factor that is no longer needed.
-    pub reusable: Option<Spare>,
+    pub reusable: Option<ReusableAnalysis>,
 }
 
 /// What builds networks: a place for other ways to build them, and for

@@ -14,7 +14,7 @@ use super::network_builder::{NetworkBuilder, NetworkRequest, StandardBuilder};
 use super::phases::{Phase, Phases};
 use super::saturation::Saturation;
 use crate::dem::Dem;
-use crate::pfv::{Flow, Spare};
+use crate::pfv::{Flow, ReusableAnalysis};
 
 /// What networks are built for, in a step.
 #[derive(Clone, Copy)]
@@ -30,7 +30,7 @@ pub(super) struct NetworkSource {
     builder: Arc<dyn NetworkBuilder>,
     worker: Option<Worker>,
     /// The analysis of a network that made room.
-    reusable: Option<Spare>,
+    reusable: Option<ReusableAnalysis>,
     /// Learns how long networks take.
     pub auto_interval: AutoInterval,
 }
@@ -52,7 +52,7 @@ impl NetworkSource {
     }
 
     /// Keeps what may serve the next network, or frees it.
-    pub fn keep(&mut self, reusable: Option<Spare>) {
+    pub fn keep(&mut self, reusable: Option<ReusableAnalysis>) {
         self.reusable = reusable;
     }
 

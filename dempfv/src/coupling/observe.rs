@@ -71,9 +71,9 @@ impl Coupled {
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
     pub fn mean_pressure(&self) -> f64 {
         self.flow().map_or(0.0, |f| {
-            let volume: f64 = f.network.volume.iter().sum();
+            let volume: f64 = f.network().volume.iter().sum();
             let weighted: f64 =
-                f.pressure().iter().zip(&f.network.volume).map(|(p, v)| p * v).sum();
+                f.pressure().iter().zip(&f.network().volume).map(|(p, v)| p * v).sum();
             weighted / volume
         })
     }
@@ -123,7 +123,7 @@ impl Coupled {
     pub fn pressure_at_spheres(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.dem.particles().len()];
         if let Some(flow) = self.flow() {
-            let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
+            let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
             for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
                 for &vertex in cell {
                     if let Some(sum) = sums.get_mut(vertex as usize) {

@@ -347,16 +347,17 @@ impl Remesher {
         let mut fastest = FastestMode::default();
         if let Some(Retired { pressures, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
-            flow.carry_over(&pressures);
+            flow.transfer_pressures(&pressures);
             self.counts.replaced(context.step - state.snapshot.step);
         }
         let volume_change = match context.saturation.remesh.strain {
             None => vec![],
-            Some(_) if snapshot.step == context.step => vec![0.0; flow.network.pores()],
+            Some(_) if snapshot.step == context.step => vec![0.0; flow.network().pores()],
             Some(_) => {
-                let now =
-                    flow.network.volumes_at(&context.dem.particles().position, &context.dem.box_());
-                now.iter().zip(&flow.network.volume).map(|(now, then)| now - then).collect()
+                let now = flow
+                    .network()
+                    .volumes_at(&context.dem.particles().position, &context.dem.box_());
+                now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
             }
         };
         let state = FluidState {
@@ -435,11 +436,11 @@ impl Remesher {
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
-            state.volume_change = vec![0.0; flow.network.pores()];
+            state.volume_change = vec![0.0; flow.network().pores()];
         }
         self.put_to_use(flow, state);
         if let Some(network) = &mut self.current {
-            network.resume(&context.dem.particles().radius, &context.saturation.fluid);
+            network.resume()?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
             self.pending = pending.map(Pending::new);

@@ -1,79 +1,84 @@
-//! Where the flux through the walls is taken.
+//! Where the flux from pores with an imposed pressure is taken.
 
-use super::{NONE, Network};
+use super::{NONE, Network, PoreConditions};
 
-/// Throats this much wider than the median one do not resolve what flows
+/// Throats that conduct so many times what the median one does do not resolve the flow
 /// through them: the pressures on both sides are equal to the last digits.
-const WIDE: f64 = 1e4;
+const UNRESOLVED_CONDUCTANCE_RATIO: f64 = 1e4;
 
-/// Surfaces around the pores with imposed pressure, one for each wall: what
-/// passes them, with what the pores within them swallow, is what the wall
+/// Surfaces around the pores with imposed pressure, one for each set: what
+/// passes them, with what the pores within them swallow, is what the set
 /// lets through.
 ///
-/// A surface encloses its wall's pores, and the free ones that wide throats
+/// A surface encloses its set's pores, and the free ones that unresolved throats
 /// join to these. In lattices, whose pores coincide in clusters, a free pore
 /// may have a wall's pore for a twin.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoundaryFlux {
-    /// Pores within a surface, and its wall.
-    pores: Vec<(u32, u8)>,
-    /// Throats across a surface: the pore within, the one outside, the wall.
-    throats: Vec<([u32; 2], u8)>,
+    /// Pores within a surface, and its set.
+    pores: Vec<(u32, u32)>,
+    /// Throats across a surface: the pore within, the one outside, the set.
+    throats: Vec<([u32; 2], u32)>,
     /// Their numbers, and their conductances (m³/(Pa·s)).
     numbers: Vec<u32>,
     conductance: Vec<f64>,
 }
 
 impl BoundaryFlux {
-    /// `imposed_by` has the index of the wall that imposes a pore's pressure,
-    /// 6 for none.
-    pub fn new(network: &Network, imposed_by: &[u8]) -> BoundaryFlux {
-        let within = grow(network, imposed_by);
+    /// The surfaces around the sets of these conditions.
+    pub fn new(network: &Network, conditions: &PoreConditions) -> BoundaryFlux {
+        let within = grow(network, conditions);
         let mut boundary_flux = BoundaryFlux::default();
-        for (i, &wall) in within.iter().enumerate().filter(|(_, wall)| **wall < 6) {
-            boundary_flux.pores.push((i as u32, wall));
+        for (i, &set) in within.iter().enumerate().filter(|(_, set)| **set != NONE) {
+            boundary_flux.pores.push((i as u32, set));
             let around = network.tessellation.neighbors[i];
             for (j, number) in around.into_iter().zip(network.throat_of[i]) {
-                if j != NONE && within[j as usize] != wall {
-                    boundary_flux.throats.push(([i as u32, j], wall));
+                if j != NONE && within[j as usize] != set {
+                    boundary_flux.throats.push(([i as u32, j], set));
                     boundary_flux.numbers.push(number);
                 }
             }
         }
         boundary_flux.conductance = vec![0.0; boundary_flux.numbers.len()];
-        boundary_flux.follow(&network.throats.conductance);
+        boundary_flux.update(&network.throats.conductance);
         boundary_flux
     }
 
     /// Takes other conductances of the same throats (m³/(Pa·s)).
-    pub fn follow(&mut self, conductance: &[f64]) {
+    pub fn update(&mut self, conductance: &[f64]) {
         for (g, &number) in self.conductance.iter_mut().zip(&self.numbers) {
             *g = conductance[number as usize];
         }
     }
 
-    /// Flux through each wall, positive into the box (m³/s).
-    pub fn flux(&self, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
-        let mut flux = [0.0; 6];
-        for &(pore, wall) in &self.pores {
-            flux[wall as usize] += volume_rate[pore as usize];
+    /// Writes the flux into the pores from each set (m³/s): as many as `flux` has room for,
+    /// in their order.
+    pub fn write(&self, pressure: &[f64], volume_rate: &[f64], flux: &mut [f64]) {
+        flux.fill(0.0);
+        for &(pore, set) in &self.pores {
+            if let Some(flux) = flux.get_mut(set as usize) {
+                *flux += volume_rate[pore as usize];
+            }
         }
-        for (&([i, j], wall), g) in self.throats.iter().zip(&self.conductance) {
-            flux[wall as usize] += g * (pressure[i as usize] - pressure[j as usize]);
+        for (&([i, j], set), g) in self.throats.iter().zip(&self.conductance) {
+            if let Some(flux) = flux.get_mut(set as usize) {
+                *flux += g * (pressure[i as usize] - pressure[j as usize]);
+            }
         }
-        flux
     }
 }
 
-/// The wall whose surface encloses each pore; 6 for none.
-fn grow(network: &Network, imposed_by: &[u8]) -> Vec<u8> {
-    let wide = WIDE * median(&network.throats.conductance);
-    let mut within = imposed_by.to_vec();
-    let mut todo: Vec<u32> = (0..within.len() as u32).filter(|&i| within[i as usize] < 6).collect();
+/// The set whose surface encloses each pore; [`NONE`] for none.
+fn grow(network: &Network, conditions: &PoreConditions) -> Vec<u32> {
+    let unresolved = UNRESOLVED_CONDUCTANCE_RATIO * median(&network.throats.conductance);
+    let set = |pore| conditions.set_of(pore).map_or(NONE, |set| set as u32);
+    let mut within: Vec<u32> = (0..network.pores()).map(set).collect();
+    let mut todo: Vec<u32> =
+        (0..within.len() as u32).filter(|&i| within[i as usize] != NONE).collect();
     while let Some(i) = todo.pop() {
         let around = network.tessellation.neighbors[i as usize];
         for (j, g) in around.into_iter().zip(network.conductances_of(i as usize)) {
-            if j != NONE && g > wide && within[j as usize] == 6 {
+            if j != NONE && g > unresolved && within[j as usize] == NONE {
                 within[j as usize] = within[i as usize];
                 todo.push(j);
             }

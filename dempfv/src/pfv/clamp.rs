@@ -62,16 +62,16 @@ impl fmt::Display for Clamp {
     }
 }
 
+/// A name that no clamp has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown clamp `{0}`; the clamps are none, relative and yade")]
+pub struct UnknownClamp(pub String);
+
 impl FromStr for Clamp {
-    type Err = crate::InputError;
+    type Err = UnknownClamp;
 
     fn from_str(s: &str) -> Result<Self, Self::Err> {
-        Clamp::ALL.into_iter().find(|c| c.name() == s).ok_or_else(|| {
-            crate::InputError::new(
-                format!("unknown clamp `{s}`"),
-                "the clamps are none, relative and yade",
-            )
-        })
+        Clamp::ALL.into_iter().find(|c| c.name() == s).ok_or_else(|| UnknownClamp(s.to_owned()))
     }
 }
 

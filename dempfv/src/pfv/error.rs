@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::WallId;
+use crate::solver::SolverError;
 
 /// The vertices of a pore, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,19 @@ impl fmt::Display for PoreVertices {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PfvError {
+    /// An argument cannot be right.
+    #[error("{argument}{}: {problem}", index.map(|i| format!("[{i}]")).unwrap_or_default())]
+    InvalidInput {
+        /// Name of the argument.
+        argument: &'static str,
+        /// Which of its entries.
+        index: Option<usize>,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+    /// The linear solver failed.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
     /// The triangulation failed.
     #[error("triangulation of {spheres} spheres: {reason}")]
     Triangulation {
@@ -66,9 +80,9 @@ pub enum PfvError {
         /// What is not finite.
         quantity: &'static str,
     },
-    /// No path leads from a pore to a wall with an imposed pressure.
+    /// No path leads from a pore to one with an imposed pressure.
     #[error(
-        "pore {pore} (vertices {vertices}) and {others} others are isolated: no path to a wall with an imposed pressure, \
+        "pore {pore} (vertices {vertices}) and {others} others are isolated: no path to a pore with an imposed pressure, \
          so their pressure is undetermined"
     )]
     IsolatedPore {
@@ -88,10 +102,25 @@ pub enum PfvError {
 }
 
 impl PfvError {
+    /// An entry of an argument cannot be right.
+    pub(super) fn invalid(
+        argument: &'static str,
+        index: usize,
+        problem: impl Into<String>,
+    ) -> PfvError {
+        PfvError::InvalidInput { argument, index: Some(index), problem: problem.into() }
+    }
+
     /// The same error where sphere `i` has the number `number[i]`: the user's,
     /// when the network was built of spheres in another order.
     #[must_use]
     pub fn with_numbers(mut self, number: &[u32]) -> PfvError {
+        if let PfvError::InvalidInput {
+            argument: "position" | "radius", index: Some(index), ..
+        } = &mut self
+        {
+            *index = number.get(*index).map_or(*index, |&number| number as usize);
+        }
         if let PfvError::BadPore { vertices, .. }
         | PfvError::NotFinite { vertices, .. }
         | PfvError::IsolatedPore { vertices, .. } = &mut self

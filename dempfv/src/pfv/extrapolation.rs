@@ -1,4 +1,4 @@
-//! How the pressures have gone, and where they will go next.
+//! The pressures of the last solves, and the prediction of the next.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,10 +22,10 @@ pub struct Extrapolation {
 }
 
 /// After so many solves, what a correction leaves is looked up again.
-const LOOK_AGAIN: u32 = 50;
+const SOLVES_PER_GAIN: u32 = 50;
 
 /// What is seen of a correction times this is taken as what it leaves.
-const CAUTION: f64 = 4.0;
+const GAIN_SAFETY_FACTOR: f64 = 4.0;
 
 impl Extrapolation {
     pub(super) fn at_rest(unknowns: usize) -> Extrapolation {
@@ -38,8 +38,8 @@ impl Extrapolation {
         self.now.len()
     }
 
-    /// What stands for the last pressures is only a start from now on.
-    pub(super) fn begin(&mut self) {
+    /// Forgets the history: what stands for the last pressures is only a start from now on.
+    pub(super) fn restart(&mut self) {
         self.known = 0;
     }
 
@@ -81,6 +81,11 @@ impl Extrapolation {
         with_pores(pore_of, [&mut self.now, correction], pressure, &part, &Sizes::and)
     }
 
+    /// True when the last pressures are those of a solve.
+    pub(super) fn is_solution(&self) -> bool {
+        self.known > 0
+    }
+
     /// The prediction has become a solution.
     pub(super) fn solved(&mut self) {
         self.known = (self.known + 1).min(3);
@@ -89,13 +94,13 @@ impl Extrapolation {
 
     /// True when a second correction should tell what the first has left.
     pub(super) fn gain_is_due(&self) -> bool {
-        self.gain.is_none() || self.age >= LOOK_AGAIN
+        self.gain.is_none() || self.age >= SOLVES_PER_GAIN
     }
 
     /// A second correction was of size `change`, the first of size `last`.
-    pub(super) fn gained(&mut self, change: f64, last: f64) {
+    pub(super) fn observe_gain(&mut self, change: f64, last: f64) {
         if last > 0.0 {
-            self.gain = Some((CAUTION * change / last).min(1.0));
+            self.gain = Some((GAIN_SAFETY_FACTOR * change / last).min(1.0));
             self.age = 0;
         }
     }

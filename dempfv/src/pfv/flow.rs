@@ -1,22 +1,28 @@
-//! The flow through one network: operators, factor and the current pressures.
+//! The flow through one network: the pressures of its pores and the forces on its spheres.
 
-use super::build::{self, Assembled, BuildTimes, Spare};
-use super::extrapolation::{Extrapolation, Sizes};
-use super::geometry_update::Follower;
-use super::iterate::Gradients;
-use super::operators::NetVolumeRate;
-use super::transfer::TransferSource;
-use super::{Fluid, Network, Operators, PfvError};
-use crate::parallel::{SERIAL, parts};
-use crate::solver::{Factor, Placement, SolverKind};
-use crate::{Aabb, Result, Vec3, WallId};
+use std::fmt;
 
-/// What a solve may leave, unless told otherwise.
-const TOLERANCE: f64 = 1e-11;
-/// How often a solution is corrected at most, after the first time.
-const REFINEMENTS: usize = 3;
+use super::extrapolation::Extrapolation;
+use super::geometry_update::{GeometryDegradation, GeometryUpdate};
+use super::pressure_solver::{PressureProblem, PressureSolver};
+use super::{
+    BuildTimes, Fluid, ImposedPressure, Network, Operators, PfvError, ReusableAnalysis,
+    TransferSource,
+};
+use crate::parallel::SERIAL;
+use crate::solver::{Factor, Iterations, Placement, Solver};
+use crate::{Aabb, Vec3, WallId};
 
 /// Pore pressures of a packing, and the fluid's forces on it.
+///
+/// # What the pressure is
+/// The equations have no gravity: pressures are those in excess of the hydrostatic one (or
+/// total ones where nothing has weight). Forces follow from them, so that they hold no buoyancy.
+/// Spheres under gravity that should feel buoyancy need the density of the solid less that of
+/// the fluid, or a gravity reduced in that proportion.
+///
+/// # Order of spheres
+/// Spheres are numbered as in the arrays that the flow was built of.
 ///
 /// ```
 /// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
@@ -25,52 +31,48 @@ const REFINEMENTS: usize = 3;
 ///
 /// // One sphere in a box, 1 Pa at the bottom and 0 at the top.
 /// let mut boundary = Boundary::default();
-/// boundary.pressure[WallId::YMin.index()] = Some(1.0);
-/// boundary.pressure[WallId::YMax.index()] = Some(0.0);
+/// boundary.pressure[WallId::YMin] = Some(1.0);
+/// boundary.pressure[WallId::YMax] = Some(0.0);
 /// let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
 /// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
 /// let mut flow = Flow::new(&[Vec3::repeat(0.5)], &[0.4], bounds, &fluid, SolverKind::default())?;
 /// flow.solve_static()?;
 /// assert!(flow.force()[0].y > 0.0);
+/// assert!(flow.permeability(WallId::YMin).is_some_and(|k| k.value > 0.0));
 /// # Ok::<(), dempfv::Error>(())
 /// ```
 pub struct Flow {
-    /// The pore network.
-    pub network: Network,
-    /// Its operators.
-    pub operators: Operators,
-    /// `None` when every pore has an imposed pressure.
-    pub(super) factor: Option<Box<dyn Factor>>,
-    solver: SolverKind,
-    analysis_reused: bool,
-    residual: Option<f64>,
-    pub(super) imbalance: f64,
-    tolerance: f64,
+    network: Network,
+    operators: Operators,
+    fluid: Fluid,
+    radius: Vec<f64>,
+    imposed: Vec<ImposedPressure>,
+    backend: Solver,
     build_times: BuildTimes,
-    /// Once the network has followed its spheres.
-    pub(super) follower: Option<Box<Follower>>,
-    pub(super) gradients: Box<Gradients>,
-    pub(super) rhs: Vec<f64>,
-    pub(super) extrapolation: Extrapolation,
-    pub(super) correction: Vec<f64>,
-    pub(super) pressure: Vec<f64>,
-    pub(super) volume_rate: Vec<f64>,
+    analysis_reused: bool,
+    /// State: what a checkpoint holds.
+    extrapolation: Extrapolation,
+    solver: PressureSolver,
+    /// Once the geometry has been updated.
+    geometry: Option<Box<GeometryUpdate>>,
+    pressure: Vec<f64>,
+    volume_rate: Vec<f64>,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
 
-/// Volume rates and pressures of a motion that is only tried out.
-pub(super) struct DragScratch {
-    volume_rate: Vec<f64>,
-    /// Zero where the pressure is imposed.
-    pressure: Vec<f64>,
-}
-
-impl DragScratch {
-    pub fn new(network: &Network) -> DragScratch {
-        let zeros = vec![0.0; network.pores()];
-        DragScratch { volume_rate: zeros.clone(), pressure: zeros }
-    }
+/// What a flow is made of.
+pub(super) struct FlowParts {
+    pub network: Network,
+    pub operators: Operators,
+    /// `None` when every pore has an imposed pressure.
+    pub factor: Option<Box<dyn Factor>>,
+    pub backend: Solver,
+    pub radius: Vec<f64>,
+    pub fluid: Fluid,
+    pub imposed: Vec<ImposedPressure>,
+    pub times: BuildTimes,
+    pub analysis_reused: bool,
 }
 
 /// A measured permeability.
@@ -84,72 +86,31 @@ pub struct Permeability {
     pub imbalance: f64,
 }
 
+/// Where the unknowns of the matrix lie (m).
+pub(super) fn unknown_points(network: &Network, operators: &Operators) -> Vec<[f64; 3]> {
+    operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect()
+}
+
 impl Flow {
-    /// Builds the network of a packing and factors its conductance matrix.
-    ///
-    /// # Errors
-    /// As [`Network::new`] and [`Operators::new`], and when the factorization
-    /// fails.
-    pub fn new(
-        position: &[Vec3],
-        radius: &[f64],
-        bounds: Aabb,
-        fluid: &Fluid,
-        solver: SolverKind,
-    ) -> Result<Flow> {
-        Assembled::new(position, radius, bounds, fluid)?.analyze(solver, None)?.factor()
-    }
-
-    /// As [`Flow::new`], in place of a flow that is no longer needed: its
-    /// analysis serves again if the matrix has the same pattern, as it has when
-    /// only conductances changed, and its pressures are where the next solve
-    /// starts from. Memory is needed for one network only.
-    ///
-    /// # Errors
-    /// As [`Flow::new`].
-    pub fn renew(
-        self,
-        position: &[Vec3],
-        radius: &[f64],
-        bounds: Aabb,
-        fluid: &Fluid,
-    ) -> Result<Flow> {
-        let solver = self.solver;
-        let (carried, spare) = self.retire();
-        let assembled = Assembled::new(position, radius, bounds, fluid)?;
-        let mut flow = assembled.analyze(solver, spare)?.factor()?;
-        flow.carry_over(&carried);
-        Ok(flow)
-    }
-
-    pub(super) fn of_parts(
-        network: Network,
-        operators: Operators,
-        factor: Option<Box<dyn Factor>>,
-        solver: SolverKind,
-        build_times: BuildTimes,
-        analysis_reused: bool,
-    ) -> Flow {
+    pub(super) fn of_parts(parts: FlowParts) -> Flow {
+        let FlowParts { network, operators, factor, backend, radius, fluid, imposed, .. } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
         let mut pressure = vec![0.0; pores];
         operators.pressures(&vec![0.0; unknowns], &mut pressure);
         Flow {
-            factor,
-            solver,
-            analysis_reused,
-            residual: None,
-            imbalance: 0.0,
-            tolerance: TOLERANCE,
-            build_times,
-            follower: None,
-            gradients: Box::default(),
-            rhs: vec![0.0; unknowns],
+            fluid,
+            imposed,
+            backend,
+            build_times: parts.times,
+            analysis_reused: parts.analysis_reused,
             extrapolation: Extrapolation::at_rest(unknowns),
-            correction: vec![0.0; unknowns],
+            solver: PressureSolver::new(factor, &operators),
+            geometry: None,
             pressure,
             volume_rate: vec![0.0; pores],
-            force: vec![Vec3::zeros(); network.tessellation.spheres],
+            force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
+            radius,
             network,
             operators,
         }
@@ -157,23 +118,56 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(mut self) -> (TransferSource, Option<Spare>) {
-        if let Some(follower) = self.follower.take() {
+    pub fn retire(mut self) -> (TransferSource, Option<ReusableAnalysis>) {
+        if let Some(geometry) = self.geometry.take() {
             // After a restart, these are all that is known.
-            self.network.center = follower.built_center();
+            self.network.center = geometry.built_center();
         }
-        let places = build::places(&self.network, &self.operators);
+        let points = unknown_points(&self.network, &self.operators);
         let (around, matrix) = self.operators.retire();
-        let carried = TransferSource::new(self.network, around, self.pressure);
-        (carried, self.factor.map(|factor| Spare::new(factor, self.solver, matrix, places)))
+        let pressures = TransferSource::new(self.network, around, self.pressure);
+        let backend = self.backend;
+        let reusable = |factor| ReusableAnalysis::new(factor, backend, matrix, points);
+        (pressures, self.solver.into_factor().map(reusable))
     }
 
     /// Takes the pressures of the network that this one replaces: as the
-    /// starting point of the next solve.
-    pub fn carry_over(&mut self, from: &TransferSource) {
-        self.extrapolation.begin();
+    /// starting point of the next solve. Those of other spheres are ignored.
+    pub fn transfer_pressures(&mut self, from: &TransferSource) {
+        self.extrapolation.restart();
+        self.solver.statistics.solved = false;
         from.write(&self.network, &self.operators, &mut self.extrapolation.now);
         self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
+    }
+
+    /// The network.
+    pub fn network(&self) -> &Network {
+        &self.network
+    }
+
+    /// Its operators.
+    pub fn operators(&self) -> &Operators {
+        &self.operators
+    }
+
+    /// The fluid that the network was built for.
+    pub fn fluid(&self) -> &Fluid {
+        &self.fluid
+    }
+
+    /// The pressures that are imposed on pores of choice.
+    pub fn imposed_pressures(&self) -> &[ImposedPressure] {
+        &self.imposed
+    }
+
+    /// The solver that the flow was built with.
+    pub fn backend(&self) -> &Solver {
+        &self.backend
+    }
+
+    /// The operators, and what solves.
+    pub(super) fn operators_and_solver(&mut self) -> (&Operators, &mut PressureSolver) {
+        (&self.operators, &mut self.solver)
     }
 
     /// True when both have a matrix of the same pattern.
@@ -188,13 +182,21 @@ impl Flow {
     }
 
     /// Pressures and forces for moving spheres and walls (eqs. 5 to 10 of
-    /// Caulk 2020): velocities in m/s, a wall's along its axis.
+    /// Caulk 2020): one velocity per sphere (m/s), and one for each wall along its axis.
     ///
     /// # Errors
-    /// When a solve fails, the first residual after a factorization is too
-    /// large, or a pressure is not finite.
-    pub fn solve(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) -> Result<()> {
-        self.update_volume_rate(velocity, wall_velocity);
+    /// [`PfvError::InvalidInput`] for velocities that are not one per sphere or not finite;
+    /// [`PfvError::Solver`] when a solve fails or the first residual after a factorization is
+    /// too large; [`PfvError::PressureNotFinite`].
+    pub fn solve(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) -> Result<(), PfvError> {
+        let finite = |v: &Vec3| v.iter().all(|v| v.is_finite());
+        if let Some(index) = velocity.iter().position(|v| !finite(v)) {
+            return Err(PfvError::invalid("velocity", index, "is not finite"));
+        }
+        if let Some(index) = wall_velocity.iter().position(|v| !v.is_finite()) {
+            return Err(PfvError::invalid("wall_velocity", index, "is not finite"));
+        }
+        self.update_volume_rate(velocity, wall_velocity)?;
         self.update_pressure()?;
         self.update_force();
         Ok(())
@@ -204,7 +206,7 @@ impl Flow {
     ///
     /// # Errors
     /// As [`Flow::solve`].
-    pub fn solve_static(&mut self) -> Result<()> {
+    pub fn solve_static(&mut self) -> Result<(), PfvError> {
         self.volume_rate.fill(0.0);
         self.update_pressure()?;
         self.update_force();
@@ -212,8 +214,17 @@ impl Flow {
     }
 
     /// First third of [`Flow::solve`]: `V̇ = E v`.
-    pub fn update_volume_rate(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) {
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] when there is not one velocity per sphere.
+    pub fn update_volume_rate(
+        &mut self,
+        velocity: &[Vec3],
+        wall_velocity: &[f64; 6],
+    ) -> Result<(), PfvError> {
+        self.require_one_per_sphere("velocity", velocity.len())?;
         self.operators.volume_rate(velocity, wall_velocity, &mut self.volume_rate);
+        Ok(())
     }
 
     /// Second third of [`Flow::solve`]: `G p = -V̇ + Q`, solved for the change
@@ -223,80 +234,87 @@ impl Flow {
     /// Where conductances span many decades the diagonal of the matrix has no
     /// digits left for the small ones, and a solution loses that share of the
     /// fluid: 7e-10 of it with 20,000 spheres. Of a change, that is little. It
-    /// is repeated until what flows through the walls is what the pores swallow
-    /// and the estimated error of the pressures is small, both to
-    /// [`Flow::set_tolerance`].
+    /// is repeated until what enters from the pores with an imposed pressure is what the
+    /// pores swallow and the estimated error of the pressures is small, both to
+    /// [`Flow::set_tolerance`]; four times at most.
     ///
     /// # Errors
     /// As [`Flow::solve`].
-    pub fn update_pressure(&mut self) -> Result<()> {
-        if self.operators.unknowns() < SERIAL {
-            self.solve_pressure()
+    pub fn update_pressure(&mut self) -> Result<(), PfvError> {
+        let Flow { operators, volume_rate, extrapolation, pressure, solver, .. } = self;
+        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        if operators.unknowns() < SERIAL {
+            solver.solve(problem)
         } else {
             // A thread from outside waits for the pool once, not for each loop.
-            rayon::scope(|_| self.solve_pressure())
+            rayon::scope(|_| solver.solve(problem))
         }
     }
 
-    fn solve_pressure(&mut self) -> Result<()> {
-        self.extrapolation.predict(&self.operators.pore_of, &mut self.pressure);
-        let growth = NetVolumeRate::of(&self.volume_rate);
-        let check = self.extrapolation.gain_is_due();
-        let (mut last, mut largest) = (0.0, 0.0);
-        for k in 0..=REFINEMENTS {
-            let Sizes { change, pressure } = self.correct_pressure()?;
-            largest = pressure;
-            self.imbalance = growth.imbalance(&self.flux());
-            if k == 1 {
-                self.extrapolation.gained(change, last);
-            }
-            last = change;
-            let error = self.extrapolation.gain() * change;
-            let small = error <= self.tolerance * largest;
-            if self.imbalance <= self.tolerance && small && (k > 0 || !check) {
-                break;
-            }
-        }
-        self.extrapolation.solved();
-        // With nothing unknown, nothing has been looked at.
-        if self.factor.is_some() && largest.is_finite() { Ok(()) } else { self.check_pressure() }
+    /// As [`Flow::update_pressure`] where the network has moved on from its
+    /// factor ([`Flow::update_geometry`]): conjugate gradients preconditioned by the
+    /// factor ([`ConjugateGradients`](crate::solver::ConjugateGradients)), from what the last
+    /// pressures predict, until the estimated error
+    /// is at most `tolerance`. [`Iterations::error`] is larger where they come
+    /// to no end.
+    ///
+    /// # Errors
+    /// When an application fails, or a pressure is not finite.
+    pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations, PfvError> {
+        let Flow { operators, volume_rate, extrapolation, pressure, solver, geometry, .. } = self;
+        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
+        solver.iterate(problem, weakened, tolerance)
     }
 
-    pub(super) fn check_pressure(&self) -> Result<()> {
-        let finite = |part: &[f64]| part.iter().all(|p| p.is_finite());
-        if parts(&self.pressure, finite, true, |a, b| a && b) {
+    /// Last third of [`Flow::solve`]: `f = F p`.
+    pub fn update_force(&mut self) {
+        self.operators.forces(&self.pressure, &mut self.force, &mut self.wall_force);
+    }
+
+    /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
+    /// volumes, conductances and the operators are those of the moment from
+    /// now on. The triangulation and the factor remain those that the flow was
+    /// built with, so [`Flow::iterate`] is what solves. Allocates in the first
+    /// call only.
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] when there is not one position per sphere.
+    pub fn update_geometry(
+        &mut self,
+        position: &[Vec3],
+        bounds: &Aabb,
+    ) -> Result<GeometryDegradation, PfvError> {
+        self.require_one_per_sphere("position", position.len())?;
+        let Flow { network, operators, geometry, radius, fluid, .. } = self;
+        let geometry =
+            geometry.get_or_insert_with(|| Box::new(GeometryUpdate::new(network, operators)));
+        Ok(geometry.run(network, operators, (position, radius), bounds, fluid))
+    }
+
+    fn require_one_per_sphere(&self, argument: &'static str, found: usize) -> Result<(), PfvError> {
+        let spheres = self.radius.len();
+        if found == spheres {
             return Ok(());
         }
-        let pore = self.pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
-        Err(PfvError::PressureNotFinite { pore: pore as u32 }.into())
+        let problem = format!("has {found} entries for {spheres} spheres");
+        Err(PfvError::InvalidInput { argument, index: None, problem })
     }
 
     /// Sets what a solve may leave: of the imbalance of fluid mass (relative to
     /// what flows), and of the estimated error of the pressures (relative to the
     /// largest). At first 1e-11. A larger one may spare a second solve per step.
     pub fn set_tolerance(&mut self, tolerance: f64) {
-        self.tolerance = tolerance;
+        self.solver.tolerance = tolerance;
     }
 
     /// What a solve may leave ([`Flow::set_tolerance`]).
     pub fn tolerance(&self) -> f64 {
-        self.tolerance
+        self.solver.tolerance
     }
 
-    /// One solve for the change of the pressures.
-    fn correct_pressure(&mut self) -> Result<Sizes> {
-        let Flow { operators, extrapolation, correction, pressure, volume_rate, rhs, .. } = self;
-        let Some(factor) = &mut self.factor else { return Ok(Sizes::default()) };
-        operators.residual(pressure, volume_rate, rhs);
-        if self.residual.is_none() {
-            self.residual = Some(factor.correct_checked(&operators.matrix, rhs, correction)?);
-        } else {
-            factor.correct(rhs, correction)?;
-        }
-        Ok(extrapolation.correct(correction, &operators.pore_of, pressure))
-    }
-
-    /// The pressures that the next solve goes on from.
+    /// The pressures that the next solve goes on from: all that a checkpoint needs of a flow
+    /// that can be built again.
     pub fn extrapolation(&self) -> &Extrapolation {
         &self.extrapolation
     }
@@ -305,75 +323,24 @@ impl Flow {
     /// so that the next solve has the same bits; fluxes are those of pores that
     /// grow at the rates given (m³/s). Values of another number of pores are
     /// ignored.
-    pub fn resume(&mut self, extrapolation: &Extrapolation, volume_rate: &[f64]) {
+    pub fn restore_pressures(&mut self, extrapolation: &Extrapolation, volume_rate: &[f64]) {
         if volume_rate.len() == self.volume_rate.len() {
             self.volume_rate.copy_from_slice(volume_rate);
         }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
+            self.solver.statistics.solved = self.extrapolation.is_solution();
             self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
             self.update_force();
         }
     }
 
-    /// Last third of [`Flow::solve`]: `f = F p`.
-    pub fn update_force(&mut self) {
-        self.operators.forces(&self.pressure, &mut self.force, &mut self.wall_force);
-    }
-
-    /// How the fluid resists a wall's motion while the spheres stand still: the
-    /// force on the wall against its velocity, per velocity (N·s/m). Zero where
-    /// the pressure of all pores at the wall is imposed. Takes a solve.
-    ///
-    /// # Errors
-    /// As [`Flow::solve`].
-    pub fn wall_resistance(&mut self, wall: WallId) -> Result<f64> {
-        let mut force = vec![Vec3::zeros(); self.network.tessellation.spheres];
-        self.wall_drag(wall, &mut DragScratch::new(&self.network), &mut force)
-    }
-
-    /// [`Flow::wall_resistance`], and the force on each sphere (N) when the
-    /// wall moves at 1 m/s.
-    pub(super) fn wall_drag(
-        &mut self,
-        wall: WallId,
-        scratch: &mut DragScratch,
-        force: &mut [Vec3],
-    ) -> Result<f64> {
-        let mut speed = [0.0; 6];
-        speed[wall.index()] = 1.0;
-        let at_rest = vec![Vec3::zeros(); force.len()];
-        let wall_force = self.drag(&at_rest, &speed, scratch, force)?;
-        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
-    }
-
-    /// The fluid's force on spheres (N) and walls (returned) that move, the
-    /// imposed pressures being zero: `f = -F G⁻¹ E v`. Leaves the pressures of
-    /// the flow as they are. Takes a solve.
-    pub(super) fn drag(
-        &mut self,
-        velocity: &[Vec3],
-        wall_velocity: &[f64; 6],
-        scratch: &mut DragScratch,
-        force: &mut [Vec3],
-    ) -> Result<[Vec3; 6]> {
-        let Flow { operators, correction, rhs, factor, .. } = self;
-        let mut wall_force = [Vec3::zeros(); 6];
-        let Some(factor) = factor else {
-            force.fill(Vec3::zeros());
-            return Ok(wall_force);
-        };
-        let DragScratch { volume_rate, pressure } = scratch;
-        operators.volume_rate(velocity, wall_velocity, volume_rate);
-        for (b, &pore) in rhs.iter_mut().zip(&operators.pore_of) {
-            *b = -volume_rate[pore as usize];
+    /// Volume of each pore when the network was built (m³).
+    pub fn built_volume(&self) -> &[f64] {
+        match &self.geometry {
+            Some(geometry) => geometry.built_volume(),
+            None => &self.network.volume,
         }
-        factor.solve(rhs, correction)?;
-        for (p, &pore) in correction.iter().zip(&operators.pore_of) {
-            pressure[pore as usize] = *p;
-        }
-        operators.forces(pressure, force, &mut wall_force);
-        Ok(wall_force)
     }
 
     /// Pressure of each pore (Pa).
@@ -401,15 +368,23 @@ impl Flow {
         self.operators.flux(&self.pressure, &self.volume_rate)
     }
 
-    /// Residual of the first solve after the factorization; `None` before it.
-    pub fn residual(&self) -> Option<f64> {
-        self.residual
+    /// Flux from the pores of each of [`Flow::imposed_pressures`], positive into the box
+    /// (m³/s).
+    pub fn imposed_flux(&self) -> Vec<f64> {
+        let mut flux = vec![0.0; self.operators.conditions().sets()];
+        self.operators.write_flux(&self.pressure, &self.volume_rate, &mut flux);
+        flux.split_off(6)
     }
 
-    /// What entered through the walls less what the pores swallowed in the last
-    /// solve, over the larger of both ([`Operators::imbalance`]).
+    /// Residual of the first solve after the factorization; `None` before it.
+    pub fn residual(&self) -> Option<f64> {
+        self.solver.statistics.residual
+    }
+
+    /// What entered from pores with an imposed pressure less what the pores swallowed in the
+    /// last solve, over the larger of both ([`Operators::imbalance`]).
     pub fn imbalance(&self) -> f64 {
-        self.imbalance
+        self.solver.statistics.imbalance
     }
 
     /// How long the network and its factorization took.
@@ -420,31 +395,46 @@ impl Flow {
     /// Where the factorization was computed.
     pub fn placement(&self) -> &Placement {
         static NOTHING: Placement = Placement::Cpu;
-        self.factor.as_ref().map_or(&NOTHING, |f| f.placement())
+        self.solver.factor().map_or(&NOTHING, |f| f.placement())
     }
 
     /// Number of entries of the factor; 0 when nothing is unknown.
     pub fn nnz_l(&self) -> u64 {
-        self.factor.as_ref().map_or(0, |f| f.analysis().nnz_l)
+        self.solver.factor().map_or(0, |f| f.analysis().nnz_l)
     }
 
     /// Permeability between two walls with imposed pressures, from the current
-    /// pressures. `None` unless `wall` and the opposite wall, and no other,
-    /// have imposed pressures and these differ.
-    pub fn permeability(&self, wall: WallId, fluid: &Fluid) -> Option<Permeability> {
-        let imposed = &fluid.boundary.pressure;
-        let drop = imposed[wall.index()]? - imposed[wall.opposite().index()]?;
-        if drop == 0.0 || imposed.iter().flatten().count() != 2 {
+    /// pressures. `None` before a solve, and unless `wall` and the opposite wall, and nothing
+    /// else, have imposed pressures and these differ.
+    pub fn permeability(&self, wall: WallId) -> Option<Permeability> {
+        let imposed = &self.fluid.boundary.pressure;
+        let drop = imposed[wall]? - imposed[wall.opposite()]?;
+        let others = imposed.values().flatten().count() != 2 || !self.imposed.is_empty();
+        if drop == 0.0 || others || !self.solver.statistics.solved {
             return None;
         }
         let flux = self.flux();
         let (entering, leaving) = (flux[wall.index()], -flux[wall.opposite().index()]);
         let bounds = &self.network.bounds;
         let length = bounds.size()[wall.axis()];
+        let viscosity = self.fluid.viscosity;
         Some(Permeability {
-            value: entering * fluid.viscosity * length / (bounds.wall_area(wall) * drop),
+            value: entering * viscosity * length / (bounds.wall_area(wall) * drop),
             flux: entering,
             imbalance: (entering - leaving).abs() / entering.abs(),
         })
+    }
+}
+
+impl fmt::Debug for Flow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Flow")
+            .field("spheres", &self.radius.len())
+            .field("pores", &self.network.pores())
+            .field("unknowns", &self.operators.unknowns())
+            .field("fluid", &self.fluid)
+            .field("backend", &self.backend)
+            .field("statistics", &self.solver.statistics)
+            .finish_non_exhaustive()
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Clamp;
+use super::throat::WallFriction;
+use super::{Boundary, Clamp};
 
 /// An incompressible viscous fluid in the pores, and its walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,9 +18,10 @@ pub struct Fluid {
     pub boundary: Boundary,
 }
 
-/// What the fluid does at each wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Boundary {
-    /// Imposed pressure of each wall (Pa); `None` lets nothing through.
-    pub pressure: [Option<f64>; 6],
+impl Fluid {
+    /// Which walls drag.
+    pub(super) fn wall_friction(&self) -> WallFriction {
+        let open = self.boundary.pressure.0.map(|p| p.is_some());
+        WallFriction { slip: self.slip_walls, open }
+    }
 }

@@ -1,13 +1,15 @@
-//! A network that follows its spheres: the triangulation stays, and whatever
+//! A network whose spheres have moved: the triangulation stays, and whatever
 //! depends on positions is computed anew in place.
 
 use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::lanes::LANES;
-use super::network::{Place, bounded, number_throats, pores_at, push_of, throats_at};
-use super::throat::{Throat, WallFriction};
-use super::{Flow, Fluid, NONE, Network, Operators};
+use super::network::{
+    ThroatSite, bounded, force_coefficients_of, number_throats, pores_at, throats_at,
+};
+use super::throat::Throat;
+use super::{Fluid, NONE, Network, Operators};
 use crate::parallel::for_each;
 use crate::{Aabb, Vec3};
 
@@ -16,11 +18,11 @@ const GEOMETRY_TASK: usize = 1_024;
 
 /// A difference of pressures that has come below this share of its energy in
 /// the factor is solved for by itself.
-const WEAK: f64 = 0.7;
+const WEAKENED_ENERGY_RATIO: f64 = 0.7;
 
-/// How far a triangulation that is carried on is from that of the moment.
+/// How far a triangulation that is kept while its spheres move is from that of the moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wear {
+pub struct GeometryDegradation {
     /// Pores that had a volume when the network was built, and have turned
     /// inside out.
     pub inverted: u32,
@@ -32,9 +34,9 @@ pub struct Wear {
     pub lost: u32,
 }
 
-impl Wear {
-    fn and(self, other: Wear) -> Wear {
-        Wear {
+impl GeometryDegradation {
+    fn and(self, other: GeometryDegradation) -> GeometryDegradation {
+        GeometryDegradation {
             inverted: self.inverted + other.inverted,
             folded: self.folded + other.folded,
             lost: self.lost + other.lost,
@@ -42,16 +44,14 @@ impl Wear {
     }
 }
 
-/// What a network needs to follow its spheres: 480 bytes a pore.
-pub(super) struct Follower {
-    fluid: Fluid,
-    radius: Vec<f64>,
+/// What a network needs to be updated: 480 bytes a pore.
+pub(super) struct GeometryUpdate {
     /// Sphere and pore centres from the box's lower corner (m).
     x: Vec<Vec3>,
     local: Vec<Vec3>,
-    places: Vec<Place>,
+    sites: Vec<ThroatSite>,
     throats: Vec<Throat>,
-    push: Vec<[Vec3; 4]>,
+    force_coefficient: Vec<[Vec3; 4]>,
     /// For each entry of `F` which vertex of its pore it is.
     corner: Vec<u8>,
     /// Throat of each entry of `G`; [`NONE`] on the diagonal.
@@ -63,13 +63,13 @@ pub(super) struct Follower {
     /// Sum of the conductances of each pore then.
     diagonal: Vec<f64>,
     /// Throats that have become much weaker.
-    weakened: Vec<Weakened>,
+    weakened: Vec<WeakenedThroat>,
 }
 
 /// A throat whose pores the factor takes for joined far more firmly than they
 /// are now.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Weakened {
+pub(super) struct WeakenedThroat {
     /// The pores' unknowns; [`NONE`] where the pressure is imposed.
     pub unknowns: [u32; 2],
     /// One over the energy of a unit difference of the two pressures
@@ -77,10 +77,10 @@ pub(super) struct Weakened {
     pub inverse: f64,
 }
 
-impl Follower {
-    fn new(network: &Network, operators: &Operators, radius: &[f64], fluid: &Fluid) -> Follower {
+impl GeometryUpdate {
+    pub fn new(network: &Network, operators: &Operators) -> GeometryUpdate {
         let t = &network.tessellation;
-        let (places, _) = number_throats(t);
+        let (sites, _) = number_throats(t);
         let mut corner = Vec::with_capacity(4 * t.cells.len());
         for vertex in 0..t.spheres + 6 {
             for &pore in operators.forces.pores.of(vertex) {
@@ -88,21 +88,19 @@ impl Follower {
                 corner.push(cell.iter().position(|&v| v as usize == vertex).unwrap_or(0) as u8);
             }
         }
-        Follower {
-            fluid: *fluid,
-            radius: radius.to_vec(),
-            x: Vec::with_capacity(radius.len()),
+        GeometryUpdate {
+            x: Vec::with_capacity(t.spheres),
             local: vec![Vec3::zeros(); t.cells.len()],
-            throats: vec![Throat::CLOSED; places.len()],
-            push: vec![[Vec3::zeros(); 4]; t.cells.len()],
+            throats: vec![Throat::CLOSED; sites.len()],
+            force_coefficient: vec![[Vec3::zeros(); 4]; t.cells.len()],
             corner,
             throat_at: throats_of_entries(network, operators),
             center: network.center.clone(),
             volume: network.volume.clone(),
             conductance: network.throats.conductance.clone(),
             diagonal: (0..t.cells.len()).map(|i| diagonal(network, i)).collect(),
-            weakened: Vec::with_capacity(places.len() / 16),
-            places,
+            weakened: Vec::with_capacity(sites.len() / 16),
+            sites,
         }
     }
 
@@ -112,77 +110,82 @@ impl Follower {
     }
 
     /// The throats that have become much narrower than the factor has them.
-    pub fn weakened(&self) -> &[Weakened] {
+    pub fn weakened(&self) -> &[WeakenedThroat] {
         &self.weakened
     }
 
-    fn run(
+    /// Volume of each pore when the network was built (m³).
+    pub fn built_volume(&self) -> &[f64] {
+        &self.volume
+    }
+
+    /// Moves the spheres, whose radii stay, to `position` and the walls to `bounds`.
+    pub fn run(
         &mut self,
         network: &mut Network,
         operators: &mut Operators,
-        position: &[Vec3],
+        (position, radius): (&[Vec3], &[f64]),
         bounds: &Aabb,
-    ) -> Wear {
+        fluid: &Fluid,
+    ) -> GeometryDegradation {
         let mut x = std::mem::take(&mut self.x);
         x.clear();
         x.extend(position.iter().map(|x| x - bounds.min));
-        let radius = std::mem::take(&mut self.radius);
-        let frame = Frame { x, r: &radius, size: bounds.size() };
+        let frame = Frame { x, r: radius, size: bounds.size() };
         network.bounds = *bounds;
-        let mut wear = self.follow_pores(&frame, network, operators);
-        self.follow_throats(&frame, network);
+        let mut degradation = self.update_pores(&frame, network, operators);
+        self.update_throats(&frame, network, fluid);
         self.x = frame.x;
-        self.radius = radius;
-        wear.lost += self.write_conductances(network);
+        degradation.lost += self.write_conductances(network, fluid);
         self.write_operators(network, operators);
         self.find_weakened(network, operators);
-        wear.folded = self.folded(network, operators);
-        wear
+        degradation.folded = self.folded(network, operators);
+        degradation
     }
 
     /// Writes centres, volumes and the volumes' gradients.
-    fn follow_pores(
+    fn update_pores(
         &mut self,
         frame: &Frame,
         network: &mut Network,
         operators: &mut Operators,
-    ) -> Wear {
+    ) -> GeometryDegradation {
         let (cells, origin) = (&network.tessellation.cells, network.bounds.min);
-        let Follower { center: built_center, volume: built_volume, local, .. } = self;
-        let followed = (
+        let GeometryUpdate { center: built_center, volume: built_volume, local, .. } = self;
+        let arrays = (
             local.par_chunks_mut(LANES),
             network.center.par_chunks_mut(LANES),
             network.volume.par_chunks_mut(LANES),
             operators.volume.gradient.par_chunks_mut(LANES),
         );
-        let blocks = followed.into_par_iter().with_min_len(GEOMETRY_TASK / LANES).enumerate();
-        let wear = blocks.map(|(block, (local, center, volume, gradient))| {
+        let blocks = arrays.into_par_iter().with_min_len(GEOMETRY_TASK / LANES).enumerate();
+        let degradation = blocks.map(|(block, (local, center, volume, gradient))| {
             let first = block * LANES;
             let (x, (v, dv)) = pores_at(frame, &cells[first..first + local.len()]);
-            let mut wear = Wear::default();
+            let mut degradation = GeometryDegradation::default();
             for l in 0..local.len() {
                 let then = built_volume[first + l];
                 if x[l].iter().chain([&v[l]]).all(|v| v.is_finite()) {
                     (local[l], volume[l], gradient[l]) = (x[l], v[l], dv[l]);
                     center[l] = x[l] + origin;
-                    wear.inverted += u32::from(v[l] <= 0.0 && then > 0.0);
+                    degradation.inverted += u32::from(v[l] <= 0.0 && then > 0.0);
                 } else {
                     (center[l], volume[l]) = (built_center[first + l], then);
                     local[l] = center[l] - origin;
-                    wear.lost += 1;
+                    degradation.lost += 1;
                 }
             }
-            wear
+            degradation
         });
-        wear.reduce(Wear::default, Wear::and)
+        degradation.reduce(GeometryDegradation::default, GeometryDegradation::and)
     }
 
-    fn follow_throats(&mut self, frame: &Frame, network: &Network) {
-        let (cells, friction) = (&network.tessellation.cells, WallFriction::of(&self.fluid));
-        let Follower { throats, places, local, .. } = self;
-        let blocks = throats.par_chunks_mut(LANES).zip(places.par_chunks(LANES));
-        blocks.with_min_len(GEOMETRY_TASK / LANES).for_each(|(out, places)| {
-            let block = throats_at(frame, cells, local, places, friction);
+    fn update_throats(&mut self, frame: &Frame, network: &Network, fluid: &Fluid) {
+        let (cells, friction) = (&network.tessellation.cells, fluid.wall_friction());
+        let GeometryUpdate { throats, sites, local, .. } = self;
+        let blocks = throats.par_chunks_mut(LANES).zip(sites.par_chunks(LANES));
+        blocks.with_min_len(GEOMETRY_TASK / LANES).for_each(|(out, sites)| {
+            let block = throats_at(frame, cells, local, sites, friction);
             out.copy_from_slice(&block[..out.len()]);
         });
     }
@@ -193,34 +196,34 @@ impl Follower {
     /// spheres of the triangulation differ: these throats do not count.
     fn folded(&self, network: &Network, operators: &Operators) -> u32 {
         let t = &network.tessellation;
-        let folded = |place: &&Place| {
-            let [i, j] = place.pores.map(|p| p as usize);
+        let folded = |site: &&ThroatSite| {
+            let [i, j] = site.pores.map(|p| p as usize);
             let inside = t.cells[i].iter().all(|&v| (v as usize) < t.spheres);
-            let inward = operators.volume.gradient[i][place.facet as usize];
+            let inward = operators.volume.gradient[i][site.facet as usize];
             inside && inward.dot(&(self.local[j] - self.local[i])) > 0.0
         };
-        self.places.par_iter().with_min_len(GEOMETRY_TASK).filter(folded).count() as u32
+        self.sites.par_iter().with_min_len(GEOMETRY_TASK).filter(folded).count() as u32
     }
 
     /// Returns how many are not finite.
-    fn write_conductances(&self, network: &mut Network) -> u32 {
-        let limits = self.fluid.clamp.bounds(&self.throats, self.fluid.viscosity);
+    fn write_conductances(&self, network: &mut Network, fluid: &Fluid) -> u32 {
+        let limits = fluid.clamp.bounds(&self.throats, fluid.viscosity);
         let conductance = &mut network.throats.conductance;
         for_each(conductance, &|k, g| {
-            let now = bounded(self.throats[k].conductance(self.fluid.viscosity), limits);
+            let now = bounded(self.throats[k].conductance(fluid.viscosity), limits);
             *g = if now.is_finite() { now } else { self.conductance[k] };
         });
         self.throats.iter().filter(|t| !t.conductance(1.0).is_finite()).count() as u32
     }
 
-    /// Finds the throats whose pores' difference has less than [`WEAK`] of
+    /// Finds the throats whose pores' difference has less than [`WEAKENED_ENERGY_RATIO`] of
     /// what the factor takes it to have.
     fn find_weakened(&mut self, network: &Network, operators: &Operators) {
-        let Follower { conductance, diagonal: built, weakened, .. } = self;
+        let GeometryUpdate { conductance, diagonal: built, weakened, .. } = self;
         weakened.clear();
         for (k, (&now, &then)) in network.throats.conductance.iter().zip(&*conductance).enumerate()
         {
-            if now > WEAK * then {
+            if now > WEAKENED_ENERGY_RATIO * then {
                 continue;
             }
             let pores = network.throats.pores[k].map(|i| i as usize);
@@ -231,25 +234,27 @@ impl Follower {
             let other =
                 |e: usize| if free(e) { 1.0 / (built[pores[e]] - then).max(0.0) } else { 0.0 };
             let around = 1.0 / (other(0) + other(1));
-            if (free(0) || free(1)) && now + around < WEAK * (then + around) {
+            if (free(0) || free(1)) && now + around < WEAKENED_ENERGY_RATIO * (then + around) {
                 let own = |e: usize| if free(e) { diagonal(network, pores[e]) } else { 0.0 };
                 let joint = if free(0) && free(1) { 2.0 * now } else { 0.0 };
-                weakened.push(Weakened { unknowns, inverse: 1.0 / (own(0) + own(1) + joint) });
+                weakened
+                    .push(WeakenedThroat { unknowns, inverse: 1.0 / (own(0) + own(1) + joint) });
             }
         }
     }
 
     /// `G`, `F` and the surfaces at the walls; `E` is written with the pores.
     fn write_operators(&mut self, network: &Network, operators: &mut Operators) {
-        let Follower { places, throats, push, corner, throat_at, .. } = self;
+        let GeometryUpdate { sites, throats, force_coefficient, corner, throat_at, .. } = self;
         let (t, gradient) = (&network.tessellation, &operators.volume.gradient);
         let throat_of = &network.throat_of;
-        for_each(push, &|i, push| {
-            *push = push_of(t, places, throats, &throat_of[i], &gradient[i], i);
+        for_each(force_coefficient, &|i, coefficients| {
+            *coefficients =
+                force_coefficients_of(t, sites, throats, &throat_of[i], &gradient[i], i);
         });
         let pores = &operators.forces.pores.pore;
-        for_each(&mut operators.forces.push, &|at, f| {
-            *f = push[pores[at] as usize][corner[at] as usize];
+        for_each(&mut operators.forces.coefficient, &|at, f| {
+            *f = force_coefficient[pores[at] as usize][corner[at] as usize];
         });
         let Operators { matrix, pore_of, boundary_flux, .. } = operators;
         let row_idx = &matrix.row_idx;
@@ -259,37 +264,8 @@ impl Follower {
                 throat => -network.throats.conductance[throat as usize],
             };
         });
-        boundary_flux.follow(&network.throats.conductance);
+        boundary_flux.update(&network.throats.conductance);
         operators.update_stencils(network);
-    }
-}
-
-impl Flow {
-    /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
-    /// volumes, conductances and the operators are those of the moment from
-    /// now on. The triangulation and the factor remain those that the flow was
-    /// built with, so [`Flow::iterate`] is what solves. `radius` (m) and
-    /// `fluid` are those that the flow was built with. Allocates in the first
-    /// call only.
-    pub fn follow(
-        &mut self,
-        position: &[Vec3],
-        radius: &[f64],
-        bounds: &Aabb,
-        fluid: &Fluid,
-    ) -> Wear {
-        let Flow { network, operators, follower, .. } = self;
-        let follower = follower
-            .get_or_insert_with(|| Box::new(Follower::new(network, operators, radius, fluid)));
-        follower.run(network, operators, position, bounds)
-    }
-
-    /// Volume of each pore when the network was built (m³).
-    pub fn built_volume(&self) -> &[f64] {
-        match &self.follower {
-            Some(follower) => &follower.volume,
-            None => &self.network.volume,
-        }
     }
 }
 

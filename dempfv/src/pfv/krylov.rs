@@ -3,23 +3,24 @@
 
 use rayon::prelude::*;
 
-use crate::{Result, Vec3};
+use super::PfvError;
+use crate::Vec3;
 
 /// Largest number of applications.
-const MOST: usize = 24;
+const MAX_APPLICATIONS: usize = 24;
 /// Fewest, so that a mode which the start hardly contains comes forth.
-const LEAST: usize = 6;
+const MIN_APPLICATIONS: usize = 6;
 /// Share of the eigenvalue that the residual may have at the end.
-const ACCURACY: f64 = 0.01;
+const RESIDUAL_RATIO: f64 = 0.01;
 /// Share of noise beside a start that is given.
-const NOISE: f64 = 0.3;
+const NOISE_RATIO: f64 = 0.3;
 /// Squarings of the projected operator that leave its dominant eigenvector:
 /// with 2¹² applications, eigenvalues 1 % apart are separated to 1e-18.
 const SQUARINGS: u32 = 12;
 /// Entries of a partial sum. Sums have this shape for any number of threads.
-const CHUNK: usize = 4_096;
+const PARTIAL_SUM_ENTRIES: usize = 4_096;
 /// From this many vectors on, sharing work between threads pays.
-const SHARED: usize = 4 * CHUNK;
+const SERIAL_ENTRIES: usize = 4 * PARTIAL_SUM_ENTRIES;
 
 /// An eigenpair, or what was found of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,10 +52,10 @@ pub(super) fn largest(
     size: usize,
     start: Option<&[Vec3]>,
     negligible: f64,
-    mut apply: impl FnMut(&[Vec3], &mut [Vec3]) -> Result<()>,
-) -> Result<Eigenpair> {
+    mut apply: impl FnMut(&[Vec3], &mut [Vec3]) -> Result<(), PfvError>,
+) -> Result<Eigenpair, PfvError> {
     let mut basis = vec![first_vector(size, start)];
-    let mut projected = [[0.0; MOST]; MOST];
+    let mut projected = [[0.0; MAX_APPLICATIONS]; MAX_APPLICATIONS];
     loop {
         let n = basis.len();
         let mut next = vec![Vec3::zeros(); size];
@@ -68,8 +69,9 @@ pub(super) fn largest(
         let residual = (left * weights[n - 1]).abs();
         // What is left of a vector of this length is round-off.
         let complete = left <= 1e-12 * value.abs() || n == 3 * size;
-        let enough = residual <= ACCURACY * value.abs() || value.abs() + residual < negligible;
-        if complete || n == MOST || (n >= LEAST && enough) {
+        let enough =
+            residual <= RESIDUAL_RATIO * value.abs() || value.abs() + residual < negligible;
+        if complete || n == MAX_APPLICATIONS || (n >= MIN_APPLICATIONS && enough) {
             let mut vector = vec![Vec3::zeros(); size];
             for (v, &weight) in basis.iter().zip(&weights) {
                 add_scaled(&mut vector, weight, v);
@@ -88,7 +90,7 @@ fn first_vector(size: usize, start: Option<&[Vec3]>) -> Vec<Vec3> {
         (0..size as u64).map(|i| Vec3::from_fn(|k, _| noise(3 * i + k as u64))).collect();
     let length = dot(&first, &first).sqrt();
     let known = start.filter(|s| s.len() == size);
-    scale(&mut first, if known.is_some() { NOISE / length } else { 1.0 / length });
+    scale(&mut first, if known.is_some() { NOISE_RATIO / length } else { 1.0 / length });
     if let Some(start) = known {
         add_scaled(&mut first, 1.0, start);
         let length = dot(&first, &first).sqrt();
@@ -105,18 +107,18 @@ fn noise(i: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-type Small = [[f64; MOST]; MOST];
+type Small = [[f64; MAX_APPLICATIONS]; MAX_APPLICATIONS];
 
 /// The eigenvalue of largest modulus of the first `n` rows and columns, and
 /// its eigenvector: a high power of the matrix has no other column.
-fn dominant(matrix: &Small, n: usize) -> (f64, [f64; MOST]) {
+fn dominant(matrix: &Small, n: usize) -> (f64, [f64; MAX_APPLICATIONS]) {
     let mut power = *matrix;
     for _ in 0..SQUARINGS {
         let largest = power.as_flattened().iter().fold(0.0f64, |m, x| m.max(x.abs()));
         if largest == 0.0 {
             break;
         }
-        let mut square = [[0.0; MOST]; MOST];
+        let mut square = [[0.0; MAX_APPLICATIONS]; MAX_APPLICATIONS];
         for (row, into) in power.iter().zip(&mut square).take(n) {
             for (&x, other) in row.iter().zip(&power).take(n) {
                 let x = x / (largest * largest);
@@ -128,23 +130,28 @@ fn dominant(matrix: &Small, n: usize) -> (f64, [f64; MOST]) {
     let length = |k: usize| power.iter().map(|row| row[k] * row[k]).sum::<f64>();
     let column = (1..n).fold(0, |best, k| if length(k) > length(best) { k } else { best });
     let norm = length(column).sqrt();
-    let mut vector = [0.0; MOST];
+    let mut vector = [0.0; MAX_APPLICATIONS];
     if norm > 0.0 {
         vector.iter_mut().zip(&power).for_each(|(v, row)| *v = row[column] / norm);
     } else {
         vector[0] = 1.0;
     }
-    let image = |row: &[f64; MOST]| row.iter().zip(&vector).map(|(a, v)| a * v).sum::<f64>();
+    let image =
+        |row: &[f64; MAX_APPLICATIONS]| row.iter().zip(&vector).map(|(a, v)| a * v).sum::<f64>();
     let value = matrix.iter().zip(&vector).map(|(row, v)| v * image(row)).sum();
     (value, vector)
 }
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
     let part = |(a, b): (&[Vec3], &[Vec3])| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
-    if a.len() < SHARED {
-        return a.chunks(CHUNK).zip(b.chunks(CHUNK)).map(part).sum();
+    if a.len() < SERIAL_ENTRIES {
+        return a.chunks(PARTIAL_SUM_ENTRIES).zip(b.chunks(PARTIAL_SUM_ENTRIES)).map(part).sum();
     }
-    let parts: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(part).collect();
+    let parts: Vec<f64> = a
+        .par_chunks(PARTIAL_SUM_ENTRIES)
+        .zip(b.par_chunks(PARTIAL_SUM_ENTRIES))
+        .map(part)
+        .collect();
     parts.iter().sum()
 }
 
@@ -152,10 +159,10 @@ fn add_scaled(to: &mut [Vec3], factor: f64, v: &[Vec3]) {
     let add = |(to, v): (&mut [Vec3], &[Vec3])| {
         to.iter_mut().zip(v).for_each(|(to, v)| *to += factor * v);
     };
-    if to.len() < SHARED {
+    if to.len() < SERIAL_ENTRIES {
         add((to, v));
     } else {
-        to.par_chunks_mut(CHUNK).zip(v.par_chunks(CHUNK)).for_each(add);
+        to.par_chunks_mut(PARTIAL_SUM_ENTRIES).zip(v.par_chunks(PARTIAL_SUM_ENTRIES)).for_each(add);
     }
 }
 
@@ -168,7 +175,7 @@ mod tests {
     use super::*;
 
     /// Eigenvalues evenly in [0, 1) and, on one component, `top`.
-    fn band(top: f64) -> impl FnMut(&[Vec3], &mut [Vec3]) -> Result<()> {
+    fn band(top: f64) -> impl FnMut(&[Vec3], &mut [Vec3]) -> Result<(), PfvError> {
         move |x, y| {
             let size = x.len() as f64;
             for (i, (x, y)) in x.iter().zip(y.iter_mut()).enumerate() {
@@ -184,7 +191,7 @@ mod tests {
         for size in [10, 1_000, 20_000] {
             let found = largest(size, None, 0.0, band(1.3)).unwrap();
             assert!((found.value - 1.3).abs() < 1e-3, "{} of {size}", found.value);
-            assert!(found.residual <= ACCURACY * found.value);
+            assert!(found.residual <= RESIDUAL_RATIO * found.value);
             assert!(found.vector[7].y.abs() > 0.999);
         }
     }
@@ -232,7 +239,7 @@ mod tests {
     #[test]
     fn what_is_negligible_is_not_refined() {
         let rough = largest(5_000, None, 1.5, band(0.5)).unwrap();
-        assert_eq!(rough.applications, LEAST as u32);
+        assert_eq!(rough.applications, MIN_APPLICATIONS as u32);
         assert!(rough.value + rough.residual > 0.95, "{rough:?}");
     }
 

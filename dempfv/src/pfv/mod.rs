@@ -10,42 +10,49 @@
 //! them as huge spheres.
 
 mod angle;
+mod boundary;
+mod boundary_flux;
 mod build;
+mod build_times;
+mod centroid;
 mod clamp;
+mod drag;
 mod error;
 mod extrapolation;
 mod flow;
 mod fluid;
-mod geometry_update;
-mod transfer;
-
-mod boundary_flux;
 mod frame;
-mod iterate;
+mod geometry_update;
 mod krylov;
 mod lanes;
 mod locate;
 mod network;
 mod operators;
+mod packing_check;
 mod pore;
 mod pore_batch;
+mod pressure_solver;
+mod reusable_analysis;
 mod slabs;
 mod tessellation;
 mod throat;
 mod throat_batch;
+mod transfer;
 mod viscous;
 
-pub use build::{Analyzed, Assembled, BuildTimes, Spare};
-pub use clamp::Clamp;
+pub use crate::solver::Iterations;
+pub use boundary::{Boundary, ImposedPressure, PoreConditions, PoreSelection};
+pub use build::{Analyzed, Assembled};
+pub use build_times::BuildTimes;
+pub use clamp::{Clamp, UnknownClamp};
 pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use extrapolation::Extrapolation;
 pub use flow::{Flow, Permeability};
-pub use fluid::{Boundary, Fluid};
-pub use geometry_update::Wear;
-pub use iterate::Iterations;
-pub use transfer::TransferSource;
-
+pub use fluid::Fluid;
+pub use geometry_update::GeometryDegradation;
 pub use network::{Derivatives, Network, Throats};
 pub use operators::Operators;
+pub use reusable_analysis::ReusableAnalysis;
 pub use tessellation::{NONE, Tessellation};
+pub use transfer::TransferSource;
 pub use viscous::ViscousMode;

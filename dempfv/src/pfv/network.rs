@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
+use super::packing_check::check_packing;
 use super::pore::Pore;
 use super::pore_batch::PoreBatch;
 use super::throat::{Throat, WallFriction, throat};
@@ -34,7 +35,9 @@ pub struct Network {
     pub bounds: Aabb,
     /// Dynamic viscosity that the conductances were computed with (Pa·s).
     pub viscosity: f64,
-    /// Power centre of each pore (m).
+    /// Power centre of each pore (m): the point of equal power to its four vertices, where
+    /// conductances are measured from. It may lie outside the pore; the middle of its volume
+    /// is its centroid ([`Network::centroids`]).
     pub center: Vec<Vec3>,
     /// Signed volume of each pore, solids included (m³); negative where motion
     /// turned a pore inside out.
@@ -51,33 +54,38 @@ pub struct Derivatives {
     /// Derivative of each pore's volume with respect to its four vertices (m²).
     pub volume_gradient: Vec<[Vec3; 4]>,
     /// Force per unit of the pore's pressure on each of its vertices (m²).
-    pub push: Vec<[Vec3; 4]>,
+    pub force_coefficient: Vec<[Vec3; 4]>,
 }
 
 impl Network {
     /// Triangulates the packing and evaluates every pore and throat.
     ///
-    /// `position` and `radius` are in metres; every centre must lie inside
-    /// `bounds`.
+    /// `position` and `radius` have one entry per sphere, in metres; every centre must lie
+    /// inside `bounds` or on its surface.
     ///
     /// # Errors
-    /// When the triangulation fails, a sphere lies outside the box, or a
-    /// pore's geometry or conductance is not finite.
+    /// [`PfvError::InvalidInput`] names the argument that cannot be right, and which of its
+    /// entries: arrays of different lengths, a centre outside the box, a radius or
+    /// viscosity that is not positive, an inverted box, and whatever is not finite. Further when
+    /// there is no sphere, the triangulation fails, or a pore's geometry or conductance is not
+    /// finite.
     pub fn new(
         position: &[Vec3],
         radius: &[f64],
         bounds: Aabb,
         fluid: &Fluid,
     ) -> Result<(Network, Derivatives), PfvError> {
+        check_packing(position, radius, &bounds, fluid)?;
         let frame = Frame::new(position, radius, &bounds);
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
-        let (pairs, throat_of) = number_throats(&tessellation);
-        let friction = WallFriction::of(fluid);
-        let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &pairs, friction);
+        let (sites, throat_of) = number_throats(&tessellation);
+        let friction = fluid.wall_friction();
+        let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &sites, friction);
         let conductance = conductances(&evaluated, fluid);
-        check_finite(&tessellation, &pairs, &conductance)?;
-        let push = gather_push(&tessellation, &pairs, &evaluated, &throat_of, &pores.gradient);
+        check_finite(&tessellation, &sites, &conductance)?;
+        let force_coefficient =
+            force_coefficients(&tessellation, &sites, &evaluated, &throat_of, &pores.gradient);
         let Pores { mut center, volume, gradient: volume_gradient } = pores;
         center.par_iter_mut().for_each(|x| *x += bounds.min);
         let network = Network {
@@ -85,11 +93,11 @@ impl Network {
             viscosity: fluid.viscosity,
             center,
             volume,
-            throats: Throats { pores: pairs.par_iter().map(|t| t.pores).collect(), conductance },
+            throats: Throats { pores: sites.par_iter().map(|t| t.pores).collect(), conductance },
             throat_of,
             tessellation,
         };
-        Ok((network, Derivatives { volume_gradient, push }))
+        Ok((network, Derivatives { volume_gradient, force_coefficient }))
     }
 
     /// Number of pores.
@@ -125,14 +133,14 @@ struct Pores {
     gradient: Vec<[Vec3; 4]>,
 }
 
-/// A throat's place: its pores, and the facet as the first pore numbers it.
+/// Where a throat is: its pores, and the facet as the first pore numbers it.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Place {
+pub(super) struct ThroatSite {
     pub pores: [u32; 2],
     pub facet: u32,
 }
 
-impl Place {
+impl ThroatSite {
     /// The facet's vertices, counterclockwise seen from outside the first pore.
     fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
         let cell = &cells[self.pores[0] as usize];
@@ -193,7 +201,7 @@ pub(super) fn pores_at(frame: &Frame, cells: &[[u32; 4]]) -> PoreBlock {
 }
 
 /// Numbers each facet between two pores once, by its smaller pore.
-pub(super) fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
+pub(super) fn number_throats(t: &Tessellation) -> (Vec<ThroatSite>, Vec<[u32; 4]>) {
     // Throats before each pore's own.
     let mut start = Vec::with_capacity(t.cells.len());
     let mut total = 0;
@@ -210,25 +218,28 @@ pub(super) fn number_throats(t: &Tessellation) -> (Vec<Place>, Vec<[u32; 4]>) {
                 *number = start[i as usize] + owned_before(i, around, facet);
             } else if j != NONE {
                 let theirs = t.neighbors[j as usize];
-                *number = start[j as usize] + owned_before(j, theirs, place_of(i, theirs));
+                *number = start[j as usize] + owned_before(j, theirs, index_of(i, theirs));
             }
         }
         numbers
     });
     let throat_of = throat_of.collect();
-    let mut places = vec![Place::default(); total as usize];
+    let mut sites = vec![ThroatSite::default(); total as usize];
     let first_of = |i: usize| start.get(i).map_or(total as usize, |&first| first as usize);
-    runs(&mut places, t.cells.len(), first_of).into_par_iter().enumerate().for_each(
-        |(task, places)| {
+    runs(&mut sites, t.cells.len(), first_of).into_par_iter().enumerate().for_each(
+        |(task, sites)| {
             let pores = t.neighbors.iter().enumerate().skip(task * TASK).take(TASK);
             let facets = pores.flat_map(|(i, around)| {
-                (0..4).map(move |facet| Place { pores: [i as u32, around[facet as usize]], facet })
+                (0..4).map(move |facet| ThroatSite {
+                    pores: [i as u32, around[facet as usize]],
+                    facet,
+                })
             });
-            let owned = facets.filter(|place| owns(place.pores[0], place.pores[1]));
-            places.iter_mut().zip(owned).for_each(|(place, owned)| *place = owned);
+            let owned = facets.filter(|site| owns(site.pores[0], site.pores[1]));
+            sites.iter_mut().zip(owned).for_each(|(site, owned)| *site = owned);
         },
     );
-    (places, throat_of)
+    (sites, throat_of)
 }
 
 /// Whether the throat between two pores is numbered by the first.
@@ -243,7 +254,7 @@ fn owned_before(i: u32, around: [u32; 4], facet: usize) -> u32 {
 
 /// Where a number stands among the last three of four; else at the first.
 /// Without branches, which would be guessed wrong half the time.
-fn place_of(wanted: u32, among: [u32; 4]) -> usize {
+fn index_of(wanted: u32, among: [u32; 4]) -> usize {
     (1..4).map(|k| if among[k] == wanted { k } else { 0 }).sum()
 }
 
@@ -251,46 +262,46 @@ fn evaluate_throats(
     frame: &Frame,
     t: &Tessellation,
     center: &[Vec3],
-    places: &[Place],
+    sites: &[ThroatSite],
     friction: WallFriction,
 ) -> Vec<Throat> {
-    let mut throats = places
+    let mut throats = sites
         .par_chunks(LANES)
-        .map(|places| throats_at(frame, &t.cells, center, places, friction))
+        .map(|sites| throats_at(frame, &t.cells, center, sites, friction))
         .collect::<Vec<_>>()
         .into_flattened();
-    throats.truncate(places.len());
+    throats.truncate(sites.len());
     throats
 }
 
-/// Evaluates up to [`LANES`] throats; those past the places' end are closed.
+/// Evaluates up to [`LANES`] throats; those past the sites' end are closed.
 pub(super) fn throats_at(
     frame: &Frame,
     cells: &[[u32; 4]],
     center: &[Vec3],
-    places: &[Place],
+    sites: &[ThroatSite],
     friction: WallFriction,
 ) -> [Throat; LANES] {
     let mut batch = ThroatBatch::new();
     let mut out = [Throat::CLOSED; LANES];
-    for (l, place) in places.iter().enumerate() {
-        let facet = place.facet(cells);
+    for (l, site) in sites.iter().enumerate() {
+        let facet = site.facet(cells);
         if frame.are_spheres(&facet) {
             for (k, &v) in facet.iter().enumerate() {
                 batch.set_sphere(l, k, &frame.x[v as usize], frame.r[v as usize]);
             }
-            for (k, &p) in place.pores.iter().enumerate() {
+            for (k, &p) in site.pores.iter().enumerate() {
                 batch.set_pore(l, k, &center[p as usize]);
             }
         }
     }
     batch.evaluate();
-    for (l, (place, out)) in places.iter().zip(&mut out).enumerate() {
-        let facet = place.facet(cells);
+    for (l, (site, out)) in sites.iter().zip(&mut out).enumerate() {
+        let facet = site.facet(cells);
         if frame.are_spheres(&facet) && !batch.reaches(l) {
             batch.throat(l, out);
         } else {
-            let [i, j] = place.pores;
+            let [i, j] = site.pores;
             // A facet of three walls lies on the hull and separates no pores.
             *out = throat(frame, friction, facet, center[i as usize], center[j as usize])
                 .unwrap_or(Throat::CLOSED);
@@ -316,11 +327,15 @@ pub(super) fn bounded(g: f64, (low, high): (f64, f64)) -> f64 {
     }
 }
 
-fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Result<(), PfvError> {
+fn check_finite(
+    t: &Tessellation,
+    sites: &[ThroatSite],
+    conductance: &[f64],
+) -> Result<(), PfvError> {
     match conductance.par_iter().position_first(|g| !g.is_finite()) {
         None => Ok(()),
         Some(k) => {
-            let pore = places[k].pores[0];
+            let pore = sites[k].pores[0];
             Err(PfvError::NotFinite {
                 pore,
                 vertices: t.vertices_of(pore),
@@ -330,41 +345,41 @@ fn check_finite(t: &Tessellation, places: &[Place], conductance: &[f64]) -> Resu
     }
 }
 
-fn gather_push(
+fn force_coefficients(
     t: &Tessellation,
-    places: &[Place],
+    sites: &[ThroatSite],
     throats: &[Throat],
     throat_of: &[[u32; 4]],
     gradient: &[[Vec3; 4]],
 ) -> Vec<[Vec3; 4]> {
-    let push = |i: usize| push_of(t, places, throats, &throat_of[i], &gradient[i], i);
-    (0..t.cells.len()).into_par_iter().map(push).collect()
+    let of = |i: usize| force_coefficients_of(t, sites, throats, &throat_of[i], &gradient[i], i);
+    (0..t.cells.len()).into_par_iter().map(of).collect()
 }
 
-/// Adds up, for each vertex of pore `i`, what the pore's throats push, and
-/// what the pressure pushes on the walls across the opposite facet.
-pub(super) fn push_of(
+/// Adds up, for each vertex of pore `i`, the force per unit of its pressure in the pore's
+/// throats, and on the wall across the opposite facet (m²).
+pub(super) fn force_coefficients_of(
     t: &Tessellation,
-    places: &[Place],
+    sites: &[ThroatSite],
     throats: &[Throat],
     throat_of: &[u32; 4],
     gradient: &[Vec3; 4],
     i: usize,
 ) -> [Vec3; 4] {
-    let mut push = [Vec3::zeros(); 4];
+    let mut coefficients = [Vec3::zeros(); 4];
     for &number in throat_of.iter().filter(|&&number| number != NONE) {
-        let (place, throat) = (&places[number as usize], &throats[number as usize]);
-        let sign = if place.pores[0] as usize == i { 1.0 } else { -1.0 };
-        for (vertex, force) in place.facet(&t.cells).into_iter().zip(&throat.push) {
-            push[place_of(vertex, t.cells[i])] += sign * force;
+        let (site, throat) = (&sites[number as usize], &throats[number as usize]);
+        let sign = if site.pores[0] as usize == i { 1.0 } else { -1.0 };
+        for (vertex, force) in site.facet(&t.cells).into_iter().zip(&throat.force_coefficient) {
+            coefficients[index_of(vertex, t.cells[i])] += sign * force;
         }
     }
     for (k, &vertex) in t.cells[i].iter().enumerate() {
         if t.wall(vertex).is_some() {
             // The facet's projection on the wall is what the volume gains
             // where the wall moves outward.
-            push[k] += gradient[k];
+            coefficients[k] += gradient[k];
         }
     }
-    push
+    coefficients
 }

@@ -4,18 +4,18 @@
 use rayon::prelude::*;
 
 use super::boundary_flux::BoundaryFlux;
-use super::{Boundary, Derivatives, NONE, Network, PfvError, Tessellation};
+use super::{Boundary, Derivatives, NONE, Network, PfvError, PoreConditions, Tessellation};
+use crate::Vec3;
 use crate::parallel::{TASK, for_each, in_tasks, parts, prefetch, runs};
 use crate::solver::SymmetricCsc;
-use crate::{Vec3, WallId};
 
-/// For rows of forces [`SERIAL`](crate::parallel::SERIAL) and [`TASK`]: a sphere is a vertex of
-/// 24 pores or so.
-const FEW_SPHERES: usize = 2_048;
-const SPHERES: usize = 256;
+/// Below this many rows of forces one thread is faster; a task takes so many of them. Fewer than
+/// [`SERIAL`](crate::parallel::SERIAL) and [`TASK`]: a sphere is a vertex of 24 pores or so.
+const SERIAL_ROWS: usize = 2_048;
+const ROWS_PER_TASK: usize = 256;
 
-/// How many vectors of space ahead what a loop reads is asked for, at most: 1.5 kB.
-const AHEAD: isize = 64;
+/// How many vectors of space ahead of a loop memory is asked for, at most: 1.5 kB.
+const PREFETCH_VECTORS: isize = 64;
 
 /// `G`, `E` and `F` for one network and its boundary conditions.
 #[derive(Clone, Debug)]
@@ -26,12 +26,10 @@ pub struct Operators {
     pub pore_of: Vec<u32>,
     /// Unknown of each pore, or [`NONE`] where the pressure is imposed.
     pub unknown_of: Vec<u32>,
-    /// Wall that imposes a pore's pressure, by its index; 6 for none.
-    imposed_by: Vec<u8>,
+    conditions: PoreConditions,
     /// For each unknown what its pore is joined to.
     stencil: Vec<Stencil>,
     pub(super) boundary_flux: BoundaryFlux,
-    pub(super) boundary: Boundary,
     pub(super) volume: VolumeRate,
     pub(super) forces: Forces,
 }
@@ -52,8 +50,8 @@ impl NetVolumeRate {
         NetVolumeRate { sum, moved }
     }
 
-    /// See [`Operators::imbalance`], for the flux through each wall.
-    pub fn imbalance(self, flux: &[f64; 6]) -> f64 {
+    /// See [`Operators::imbalance`], for the flux from each set.
+    pub fn imbalance(self, flux: &[f64]) -> f64 {
         let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
         let larger = through.max(self.sum.abs()).max(0.01 * self.moved);
         if larger > 0.0 { (net - self.sum).abs() / larger } else { 0.0 }
@@ -88,11 +86,12 @@ pub(super) struct VolumeRate {
     pub gradient: Vec<[Vec3; 4]>,
 }
 
-/// `F` by rows: for each sphere, then each wall, the pores that push it.
+/// `F` by rows: for each sphere, then each wall, the pores that it is a vertex of, and the force
+/// per unit of their pressure (m²).
 #[derive(Clone, Debug)]
 pub(super) struct Forces {
     pub pores: Incidence,
-    pub push: Vec<Vec3>,
+    pub coefficient: Vec<Vec3>,
 }
 
 /// For each sphere, then each wall, the pores that it is a vertex of.
@@ -116,36 +115,43 @@ impl Incidence {
 }
 
 impl Operators {
-    /// Builds the operators of a network from its derivatives.
+    /// Builds the operators of a network from its derivatives, with conditions at walls.
     ///
     /// # Errors
-    /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
+    /// As [`Operators::with_conditions`].
     pub fn new(
         network: &Network,
         derivatives: Derivatives,
         boundary: Boundary,
     ) -> Result<Operators, PfvError> {
-        let imposed_by: Vec<u8> = network
-            .tessellation
-            .cells
-            .iter()
-            .map(|&c| imposing_wall(network, &boundary, c))
-            .collect();
+        let conditions = PoreConditions::of_walls(network, &boundary);
+        Operators::with_conditions(network, derivatives, conditions)
+    }
+
+    /// Builds the operators of a network from its derivatives, with any conditions.
+    ///
+    /// # Errors
+    /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
+    pub fn with_conditions(
+        network: &Network,
+        derivatives: Derivatives,
+        conditions: PoreConditions,
+    ) -> Result<Operators, PfvError> {
         let mut unknown_of = vec![NONE; network.pores()];
         let mut pore_of = Vec::with_capacity(network.pores());
-        for (i, &wall) in imposed_by.iter().enumerate() {
-            if wall == 6 {
-                unknown_of[i] = pore_of.len() as u32;
+        for (i, unknown) in unknown_of.iter_mut().enumerate() {
+            if conditions.set_of(i).is_none() {
+                *unknown = pore_of.len() as u32;
                 pore_of.push(i as u32);
             }
         }
         // The first part is serial: the others keep the other threads busy.
         let (reach, (matrix, (boundary_flux, (forces, stencil)))) = rayon::join(
-            || check_reach(network, &imposed_by),
+            || check_reach(network, &conditions),
             || {
                 let assemble = || assemble(network, &unknown_of, &pore_of);
-                let boundary_flux = || BoundaryFlux::new(network, &imposed_by);
-                let forces = || Forces::new(&network.tessellation, &derivatives.push);
+                let boundary_flux = || BoundaryFlux::new(network, &conditions);
+                let forces = || Forces::new(&network.tessellation, &derivatives.force_coefficient);
                 let stencil = || pore_of.par_iter().map(|&i| Stencil::of(network, i)).collect();
                 let last = || rayon::join(forces, stencil);
                 rayon::join(assemble, || rayon::join(boundary_flux, last))
@@ -157,9 +163,8 @@ impl Operators {
             pore_of,
             unknown_of,
             boundary_flux,
-            imposed_by,
+            conditions,
             stencil,
-            boundary,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
                 gradient: derivatives.volume_gradient,
@@ -178,9 +183,14 @@ impl Operators {
         self.pore_of.len()
     }
 
-    /// Wall that imposes the pressure of a pore.
-    pub fn imposed(&self, pore: usize) -> Option<WallId> {
-        WallId::ALL.get(self.imposed_by[pore] as usize).copied()
+    /// The condition of each pore.
+    pub fn conditions(&self) -> &PoreConditions {
+        &self.conditions
+    }
+
+    /// Pressure imposed on a pore (Pa); `None` for a free one.
+    pub fn imposed(&self, pore: usize) -> Option<f64> {
+        self.conditions.pressure_of(pore)
     }
 
     /// `V̇ = E v`: the rate at which each pore grows (m³/s), from the velocities
@@ -188,7 +198,7 @@ impl Operators {
     pub fn volume_rate(&self, velocity: &[Vec3], wall_velocity: &[f64; 6], out: &mut [f64]) {
         let spheres = velocity.len();
         let rate = |i: usize| {
-            prefetch(&self.volume.gradient[i], AHEAD / 4);
+            prefetch(&self.volume.gradient[i], PREFETCH_VECTORS / 4);
             let mut sum = 0.0;
             for (&v, g) in self.volume.vertices[i].iter().zip(&self.volume.gradient[i]) {
                 sum += match velocity.get(v as usize) {
@@ -208,7 +218,7 @@ impl Operators {
     pub fn pressures(&self, solution: &[f64], out: &mut [f64]) {
         for_each(out, &|i, p| {
             *p = match self.unknown_of[i] {
-                NONE => self.boundary.pressure[self.imposed_by[i] as usize].unwrap_or(0.0),
+                NONE => self.imposed(i).unwrap_or(0.0),
                 u => solution[u as usize],
             }
         });
@@ -218,7 +228,7 @@ impl Operators {
     pub fn forces(&self, pressure: &[f64], spheres: &mut [Vec3], walls: &mut [Vec3; 6]) {
         let n = spheres.len();
         let row = |i: usize, f: &mut Vec3| *f = self.forces.row(i, pressure);
-        in_tasks(spheres, FEW_SPHERES, SPHERES, &row);
+        in_tasks(spheres, SERIAL_ROWS, ROWS_PER_TASK, &row);
         for (w, f) in walls.iter_mut().enumerate() {
             *f = self.forces.row(n + w, pressure);
         }
@@ -226,15 +236,26 @@ impl Operators {
 
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
-        self.boundary_flux.flux(pressure, volume_rate)
+        let mut flux = [0.0; 6];
+        self.write_flux(pressure, volume_rate, &mut flux);
+        flux
     }
 
-    /// What enters through the walls less what the pores swallow, over the
-    /// larger of the two (1): the flows through the walls without their signs,
+    /// Writes the flux from each set of pores with an imposed pressure, positive into the box
+    /// (m³/s): through the walls, then from the sets beside them
+    /// ([`PoreConditions`]); as many as `flux` has room for.
+    pub fn write_flux(&self, pressure: &[f64], volume_rate: &[f64], flux: &mut [f64]) {
+        self.boundary_flux.write(pressure, volume_rate, flux);
+    }
+
+    /// What enters from all sets less what the pores swallow, over the
+    /// larger of the two (1): the flows from the sets without their signs,
     /// or the sum of the volume rates. Where the rates nearly cancel, a
     /// hundredth of their sum without signs counts. Zero when nothing flows.
     pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
-        NetVolumeRate::of(volume_rate).imbalance(&self.flux(pressure, volume_rate))
+        let mut flux = vec![0.0; self.conditions.sets()];
+        self.write_flux(pressure, volume_rate, &mut flux);
+        NetVolumeRate::of(volume_rate).imbalance(&flux)
     }
 
     /// What each free pore gains through its throats less what it swallows
@@ -271,7 +292,7 @@ impl Operators {
     #[inline(always)]
     fn stencil_of(&self, u: usize) -> &Stencil {
         let stencil = &self.stencil[u];
-        prefetch(std::slice::from_ref(stencil), AHEAD / 2);
+        prefetch(std::slice::from_ref(stencil), PREFETCH_VECTORS / 2);
         stencil
     }
 
@@ -283,7 +304,7 @@ impl Operators {
 }
 
 impl Forces {
-    fn new(tessellation: &Tessellation, push_of: &[[Vec3; 4]]) -> Forces {
+    fn new(tessellation: &Tessellation, coefficients: &[[Vec3; 4]]) -> Forces {
         let cells = &tessellation.cells;
         let rows = tessellation.spheres + 6;
         let mut start = vec![0u32; rows + 1];
@@ -304,35 +325,26 @@ impl Forces {
             }
         }
         let entries = (&pore, &corner).into_par_iter();
-        let push = entries.map(|(&i, &k)| push_of[i as usize][k as usize]).collect();
-        Forces { pores: Incidence { start, pore }, push }
+        let coefficient = entries.map(|(&i, &k)| coefficients[i as usize][k as usize]).collect();
+        Forces { pores: Incidence { start, pore }, coefficient }
     }
 
     fn row(&self, row: usize, pressure: &[f64]) -> Vec3 {
-        let push = &self.push[self.pores.range(row)];
-        prefetch(push, AHEAD);
+        let coefficients = &self.coefficient[self.pores.range(row)];
+        prefetch(coefficients, PREFETCH_VECTORS);
         self.pores
             .of(row)
             .iter()
-            .zip(push)
-            .fold(Vec3::zeros(), |sum, (&p, push)| sum + pressure[p as usize] * push)
+            .zip(coefficients)
+            .fold(Vec3::zeros(), |sum, (&p, per_pa)| sum + pressure[p as usize] * per_pa)
     }
-}
-
-/// The wall that imposes a cell's pressure; of several the last, as in YADE.
-fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u8 {
-    let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
-    walls
-        .filter(|w| boundary.pressure[w.index()].is_some())
-        .map(|w| w.index() as u8)
-        .max()
-        .unwrap_or(6)
 }
 
 /// Every free pore must reach one with an imposed pressure through throats
 /// that conduct; otherwise its pressure is undetermined.
-fn check_reach(network: &Network, imposed_by: &[u8]) -> Result<(), PfvError> {
-    let mut reached: Vec<bool> = imposed_by.iter().map(|&w| w < 6).collect();
+fn check_reach(network: &Network, conditions: &PoreConditions) -> Result<(), PfvError> {
+    let mut reached: Vec<bool> =
+        (0..network.pores()).map(|pore| conditions.set_of(pore).is_some()).collect();
     let mut todo: Vec<u32> = (0..reached.len() as u32).filter(|&i| reached[i as usize]).collect();
     while let Some(i) = todo.pop() {
         let around = network.tessellation.neighbors[i as usize];

@@ -6,7 +6,6 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::Fluid;
 use super::frame::{Frame, Vertex};
 use crate::{Vec3, WallId};
 
@@ -14,7 +13,7 @@ use crate::{Vec3, WallId};
 /// length. The pores of a cospherical cluster (any regular lattice has them)
 /// have one and the same centre up to round-off; without the bound round-off
 /// would choose the conductance between them, and its logarithm.
-pub(super) const SHORTEST: f64 = 1e-6;
+pub(super) const MIN_LENGTH_PER_WIDTH: f64 = 1e-6;
 
 /// Which walls stand still with respect to the fluid.
 #[derive(Clone, Copy, Debug)]
@@ -26,12 +25,6 @@ pub(super) struct WallFriction {
 }
 
 impl WallFriction {
-    /// The walls of a fluid.
-    pub fn of(fluid: &Fluid) -> WallFriction {
-        let open = fluid.boundary.pressure.map(|p| p.is_some());
-        WallFriction { slip: fluid.slip_walls, open }
-    }
-
     fn drags(&self, wall: WallId) -> bool {
         !self.slip && !self.open[wall.index()]
     }
@@ -52,7 +45,7 @@ pub(super) struct Throat {
     pub length: f64,
     /// Force per unit of pressure in the first pore on each vertex of the
     /// facet (m²); the second pore's is the opposite.
-    pub push: [Vec3; 3],
+    pub force_coefficient: [Vec3; 3],
 }
 
 impl Throat {
@@ -63,7 +56,7 @@ impl Throat {
         solid_area: 0.0,
         hydraulic_radius: 0.0,
         length: 1.0,
-        push: [Vec3::new(0.0, 0.0, 0.0); 3],
+        force_coefficient: [Vec3::new(0.0, 0.0, 0.0); 3],
     };
 
     /// Conductance (m³/(Pa·s)): Poiseuille flow through the hydraulic radius.
@@ -125,14 +118,16 @@ pub(super) fn throat(
         solid_area,
         hydraulic_radius,
         length: (p1 - p2).norm().max(1e-6 * 2.0 * hydraulic_radius),
-        push: push(&facet, area, fluid_area, &sectors, &solid, solid_area),
+        force_coefficient: force_coefficients(
+            &facet, area, fluid_area, &sectors, &solid, solid_area,
+        ),
     })
 }
 
 /// Viscous part: the fluid's share of the facet, given to the facet's solids in
 /// proportion to their surface in the throat. Pressure part: each sphere's own
 /// sector of the facet.
-fn push(
+fn force_coefficients(
     facet: &Facet,
     area: f64,
     fluid_area: f64,
@@ -141,20 +136,20 @@ fn push(
     solid_area: f64,
 ) -> [Vec3; 3] {
     let normal = if area > 0.0 { facet.area_vector / area } else { Vec3::zeros() };
-    let mut push = [Vec3::zeros(); 3];
+    let mut coefficients = [Vec3::zeros(); 3];
     for k in 0..3 {
         let share = if solid_area > 0.0 { solid[k] / solid_area } else { 0.0 };
-        push[k] = normal * (fluid_area * share + sectors[k]);
+        coefficients[k] = normal * (fluid_area * share + sectors[k]);
     }
-    push
+    coefficients
 }
 
-/// Pore centres apart by at least [`SHORTEST`] of the throat's width. The line
+/// Pore centres apart by at least [`MIN_LENGTH_PER_WIDTH`] of the throat's width. The line
 /// between them is the radical axis, normal to the facet, so the direction is
 /// known even where the distance is round-off.
 fn separate(facet: &Facet, p1: Vec3, p2: Vec3) -> (Vec3, Vec3) {
     let area = facet.area_vector.norm();
-    let shortest = SHORTEST * area.sqrt();
+    let shortest = MIN_LENGTH_PER_WIDTH * area.sqrt();
     if (p2 - p1).norm() >= shortest || area == 0.0 {
         return (p1, p2);
     }

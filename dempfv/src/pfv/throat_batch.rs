@@ -11,7 +11,7 @@ use super::lanes::{
     LANES, Lane, Lanes, Lanes3, add, choose3, cross, dot, get, load3, norm, put, scale, store,
     store3, sub,
 };
-use super::throat::{SHORTEST, Throat};
+use super::throat::{MIN_LENGTH_PER_WIDTH, Throat};
 use crate::Vec3;
 
 /// The spheres and pores of the throats, by component; then their results.
@@ -24,7 +24,7 @@ pub(super) struct ThroatBatch {
     solid_area: Lane,
     hydraulic_radius: Lane,
     length: Lane,
-    push: [[Lane; 3]; 3],
+    force_coefficient: [[Lane; 3]; 3],
     /// Not 0 where a sphere reaches past the opposite edge.
     reaches: Lane,
 }
@@ -41,7 +41,7 @@ impl ThroatBatch {
             solid_area: ZERO,
             hydraulic_radius: ZERO,
             length: ZERO,
-            push: [[ZERO; 3]; 3],
+            force_coefficient: [[ZERO; 3]; 3],
             reaches: ZERO,
         }
     }
@@ -75,7 +75,11 @@ impl ThroatBatch {
         out.solid_area = self.solid_area[l];
         out.hydraulic_radius = self.hydraulic_radius[l];
         out.length = self.length[l];
-        out.push = [get(&self.push[0], l), get(&self.push[1], l), get(&self.push[2], l)];
+        out.force_coefficient = [
+            get(&self.force_coefficient[0], l),
+            get(&self.force_coefficient[1], l),
+            get(&self.force_coefficient[2], l),
+        ];
     }
 
     /// Evaluates all throats.
@@ -121,7 +125,7 @@ fn evaluate<S: Simd>(simd: S, b: &mut ThroatBatch, step: usize) {
     let (distance, shortest) = (norm(between), 2e-6 * radius);
     for k in 0..3 {
         let push = scale(share * solid[k] + sectors[k], normal);
-        store3(&mut b.push[k], step, push);
+        store3(&mut b.force_coefficient[k], step, push);
     }
     store(&mut b.length, step, shortest.above(distance).choose(shortest, distance));
     store(&mut b.fluid_area, step, fluid_area);
@@ -131,7 +135,7 @@ fn evaluate<S: Simd>(simd: S, b: &mut ThroatBatch, step: usize) {
     store(&mut b.reaches, step, reaches);
 }
 
-/// Pore centres apart by at least [`SHORTEST`] of the throat's width.
+/// Pore centres apart by at least [`MIN_LENGTH_PER_WIDTH`] of the throat's width.
 #[inline(always)]
 fn separate<S: Simd>(
     area_vector: Lanes3<S>,
@@ -139,7 +143,7 @@ fn separate<S: Simd>(
     p1: Lanes3<S>,
     p2: Lanes3<S>,
 ) -> [Lanes3<S>; 2] {
-    let shortest = SHORTEST * area.sqrt();
+    let shortest = MIN_LENGTH_PER_WIDTH * area.sqrt();
     let zero = Lanes::all(area.0, 0.0);
     let apart = norm(sub(p2, p1)).above_or_at(shortest).or(zero.above_or_at(area));
     let half = scale(0.5 * shortest / area, area_vector);
@@ -241,7 +245,7 @@ mod tests {
                 let radius = single.hydraulic_radius;
                 assert!((lane.hydraulic_radius - radius).abs() < 1e-12 * radius.abs().max(1.0));
                 for k in 0..3 {
-                    near((lane.push[k] - single.push[k]).norm(), 0.0);
+                    near((lane.force_coefficient[k] - single.force_coefficient[k]).norm(), 0.0);
                 }
                 evaluated += 1;
             }

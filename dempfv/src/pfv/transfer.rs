@@ -10,6 +10,7 @@ use crate::parallel::for_each;
 /// A pore of the new network that has the same four vertices as an old one has
 /// its pressure; another has that of the old pore whose centre is nearest to
 /// its own, among those that share a sphere with it.
+#[derive(Debug)]
 pub struct TransferSource {
     spheres: usize,
     cells: Vec<[u32; 4]>,

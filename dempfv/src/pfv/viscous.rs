@@ -3,10 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Flow;
-use super::flow::DragScratch;
+use super::drag::DragScratch;
 use super::krylov::largest;
-use crate::{Result, Vec3, WallId};
+use super::{Flow, PfvError};
+use crate::{Vec3, WallId};
 
 /// The mode of the spheres that the fluid stops fastest: the largest
 /// eigenvalue of V M⁻¹, V = F G⁻¹ E (eq. A.9 of Caulk 2020), and its vector.
@@ -87,11 +87,11 @@ impl Flow {
         servo: [bool; 6],
         start: Option<&[Vec3]>,
         negligible: f64,
-    ) -> Result<Option<ViscousMode>> {
-        if self.operators.unknowns() == 0 || mass.is_empty() {
+    ) -> Result<Option<ViscousMode>, PfvError> {
+        if self.operators().unknowns() == 0 || mass.is_empty() {
             return Ok(None);
         }
-        let mut scratch = DragScratch::new(&self.network);
+        let mut scratch = DragScratch::new(self.network());
         let mut walls = vec![];
         for wall in WallId::ALL.into_iter().filter(|w| servo[w.index()]) {
             walls.extend(self.free_wall(wall, &mut scratch)?);
@@ -121,8 +121,12 @@ impl Flow {
 
     /// What the fluid does when a wall moves alone; `None` where it does not
     /// resist, because every pore at the wall has an imposed pressure.
-    fn free_wall(&mut self, wall: WallId, scratch: &mut DragScratch) -> Result<Option<FreeWall>> {
-        let spheres = self.network.tessellation.spheres;
+    fn free_wall(
+        &mut self,
+        wall: WallId,
+        scratch: &mut DragScratch,
+    ) -> Result<Option<FreeWall>, PfvError> {
+        let spheres = self.network().tessellation.spheres;
         let mut field = vec![Vec3::zeros(); spheres];
         let resistance = self.wall_drag(wall, scratch, &mut field)?;
         field.iter_mut().for_each(|f| *f = -*f);

@@ -76,7 +76,7 @@ impl Default for Fluid {
 impl Fluid {
     /// Walls with an imposed pressure (Pa), in the order of their indices.
     pub fn pressure_walls(&self) -> impl Iterator<Item = (WallId, f64)> + '_ {
-        WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w.index()]?)))
+        WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w]?)))
     }
 
     /// What fills the pores of a coupled stage.
@@ -101,7 +101,7 @@ impl Keyed for Fluid {
         solver(keys, &mut self.solver)?;
         keys.take("tolerance", &number("", Bound::Positive), &mut self.tolerance)?;
         let imposed = Maybe(number("Pa", Bound::Finite));
-        keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure)?;
+        keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure.0)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
@@ -250,7 +250,7 @@ fn check_no_flow(table: &Table, boundary: &Boundary) -> Result<()> {
     let Some(value) = table.get("no_flow") else { return Ok(()) };
     for item in value.items("an array of wall names, as in [\"x_min\", \"x_max\"]")? {
         let wall = item.wall()?;
-        if boundary.pressure[wall.index()].is_some() {
+        if boundary.pressure[wall].is_some() {
             return Err(item.error(
                 &format!("names {wall}, which has two conditions: a pressure and no flow"),
                 format!("take {wall} out of `pressure` or out of `no_flow`"),

@@ -67,8 +67,8 @@ impl Stability {
             }),
             participation: mode.map_or(0.0, ViscousMode::participation),
             solves: mode.map_or(0, |m| m.solves),
-            pores: flow.map_or(0, |f| f.network.pores()),
-            unknowns: flow.map_or(0, |f| f.operators.unknowns()),
+            pores: flow.map_or(0, |f| f.network().pores()),
+            unknowns: flow.map_or(0, |f| f.operators().unknowns()),
             factor_entries: flow.map_or(0, Flow::nnz_l),
         }))
     }

@@ -199,6 +199,12 @@ impl From<Arc<dyn Backend>> for Solver {
     }
 }
 
+impl<B: Backend + 'static> From<Arc<B>> for Solver {
+    fn from(backend: Arc<B>) -> Solver {
+        Solver::Custom(backend)
+    }
+}
+
 impl fmt::Display for SolverKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

@@ -49,8 +49,11 @@ mod frontal;
 mod gpu_info;
 mod kind;
 mod matrix;
+mod operator;
 pub mod ordering;
+mod pcg;
 mod placement;
+mod refine;
 
 use std::fmt;
 
@@ -62,7 +65,10 @@ pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};
 pub use kind::{Solver, SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
+pub use operator::{LinearOperator, Preconditioner};
+pub use pcg::{ConjugateGradients, ErrorGoal, Iterations};
 pub use placement::{GpuOptions, GpuWork, Placement};
+pub(crate) use refine::{Refinement, refine};
 
 /// Largest residual of a checked solve (see [`SymmetricCsc::residual`]). A
 /// sound factorization leaves some 10⁻¹⁶.

@@ -25,7 +25,7 @@ pub fn mode(remesh: RemeshMode) -> Acceleration {
 /// Water that leaves through the top.
 pub fn drained(viscosity: f64, remesh: RemeshRule) -> Saturation {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity, slip_walls: true, clamp: Clamp::None, boundary };
     Saturation { fluid, solver: SolverKind::default(), remesh }
 }

@@ -153,7 +153,7 @@ fn hidden(coupled: &Coupled) -> Vec<u32> {
     let Some(flow) = coupled.flow() else { return vec![] };
     let id = &coupled.dem().particles().id;
     let mut numbers: Vec<u32> =
-        flow.network.tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
+        flow.network().tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
     numbers.sort_unstable();
     numbers
 }
@@ -185,7 +185,7 @@ fn with_outcomes_inline<S: Serializer>(
 /// last static flow.
 fn networks(simulation: &Simulation) -> (usize, usize) {
     if let Some(flow) = simulation.coupled().flow() {
-        return (flow.network.pores(), flow.operators.unknowns());
+        return (flow.network().pores(), flow.operators().unknowns());
     }
     let test = simulation.outcomes().iter().rev().find_map(|o| match &o.outcome {
         Outcome::Permeability(test) => Some((test.pores as usize, test.unknowns as usize)),

@@ -149,11 +149,11 @@ impl State {
     }
 
     fn profile(&self, time_factor: f64, flow: &Flow) -> Profile {
-        let (axis, bounds) = (self.drained.axis(), &flow.network.bounds);
+        let (axis, bounds) = (self.drained.axis(), &flow.network().bounds);
         let height = bounds.size()[axis];
         let mut sums = [(0.0, 0.0); SLABS];
         for ((center, volume), pressure) in
-            flow.network.center.iter().zip(&flow.network.volume).zip(flow.pressure())
+            flow.network().center.iter().zip(&flow.network().volume).zip(flow.pressure())
         {
             let depth = self.drained.inward() * (center[axis] - bounds.wall(self.drained)) / height;
             let slab = (depth * SLABS as f64).clamp(0.0, SLABS as f64 - 1.0) as usize;
@@ -203,19 +203,20 @@ fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
 
 /// Share of the height that the pores with imposed pressure at a wall fill.
 fn drained_share(flow: &Flow, wall: WallId, height: f64) -> f64 {
-    let pores = (0..flow.network.pores()).filter(|&i| flow.operators.imposed(i) == Some(wall));
-    let volume: f64 = pores.map(|i| flow.network.volume[i]).sum();
-    volume / flow.network.bounds.wall_area(wall) / height
+    let conditions = flow.operators().conditions();
+    let pores = (0..flow.network().pores()).filter(|&i| conditions.wall_of(i) == Some(wall));
+    let volume: f64 = pores.map(|i| flow.network().volume[i]).sum();
+    volume / flow.network().bounds.wall_area(wall) / height
 }
 
 /// Mean pressure by volume of the pores that touch a wall (Pa).
 fn mean_pressure_at(flow: &Flow, wall: WallId) -> f64 {
-    let t = &flow.network.tessellation;
+    let t = &flow.network().tessellation;
     let vertex = (t.spheres + wall.index()) as u32;
     let touching = t
         .cells
         .iter()
-        .zip(&flow.network.volume)
+        .zip(&flow.network().volume)
         .zip(flow.pressure())
         .filter(|((c, _), _)| c.contains(&vertex));
     let (weighted, volume) =

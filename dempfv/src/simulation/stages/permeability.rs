@@ -32,8 +32,8 @@ impl State {
         let lower = WallId::ALL[2 * axis.index()];
         let mut fluid_in_pores = fluid.fluid;
         fluid_in_pores.boundary = Boundary::default();
-        fluid_in_pores.boundary.pressure[lower.index()] = Some(1.0);
-        fluid_in_pores.boundary.pressure[lower.opposite().index()] = Some(0.0);
+        fluid_in_pores.boundary.pressure[lower] = Some(1.0);
+        fluid_in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
 
         let dem = context.coupled.dem();
         let particles = dem.particles();
@@ -47,7 +47,7 @@ impl State {
         .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
         context.coupled.book_build(flow.build_times());
         context.coupled.time(Phase::Solve, || flow.solve_static())?;
-        let measured = flow.permeability(lower, &fluid_in_pores);
+        let measured = flow.permeability(lower);
         let measured = measured
             .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
         let dem = context.coupled.dem();
@@ -59,8 +59,8 @@ impl State {
             imbalance: measured.imbalance,
             kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.particles().radius)),
             porosity,
-            pores: flow.network.pores() as u64,
-            unknowns: flow.operators.unknowns() as u64,
+            pores: flow.network().pores() as u64,
+            unknowns: flow.operators().unknowns() as u64,
             residual: flow.residual().unwrap_or(0.0),
         })))
     }

@@ -39,11 +39,13 @@ mod supernodes;
 mod symbolic;
 mod tail;
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use super::{
-    Analysis, Backend, Cost, Factor, Placement, SolverError, Symbolic, SymmetricCsc, SystemSize,
-    blas, cholmod, cost, ordering, require_size,
+    Analysis, Backend, Cost, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc,
+    SystemSize, blas, cholmod, cost, ordering, refine, require_size,
 };
 use crate::parallel::{advise_huge_pages, max_norm};
 use m_matrix::MMatrix;
@@ -262,34 +264,6 @@ impl FrontalFactor {
         }
     }
 
-    /// Corrects x until corrections no longer shrink, with residuals in double precision
-    /// (iterative refinement: Wilkinson 1963; Higham 2002).
-    fn refine(&mut self, b: &[f64], x: &mut [f64]) {
-        let mut residual = std::mem::take(&mut self.residual);
-        let mut correction = std::mem::take(&mut self.correction);
-        let (mut last, mut stalled) = (max_norm(x), 0);
-        for _ in 0..MAX_CORRECTIONS {
-            self.m_matrix.residual(b, x, &mut residual);
-            let size = max_norm(&residual);
-            self.solve_once(&residual, size, &mut correction);
-            let size = max_norm(&correction);
-            // One that does not shrink may have been behind the noise of the
-            // one before; two are round-off.
-            stalled = if size > 0.5 * last { stalled + 1 } else { 0 };
-            if size == 0.0 || size.is_nan() || stalled == 2 {
-                break;
-            }
-            x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
-            // The next one would shrink as this one has.
-            if size * (size / last) <= REFINEMENT_TOLERANCE * max_norm(x) {
-                break;
-            }
-            last = size;
-        }
-        self.residual = residual;
-        self.correction = correction;
-    }
-
     /// Gives the memory of the packed factor back; the next factorization asks for it again.
     pub(super) fn release(&mut self) {
         self.packed = PackedFactor::default();
@@ -316,6 +290,49 @@ impl FrontalFactor {
     }
 }
 
+/// A solution by the factor, corrected until corrections no longer shrink, with residuals in
+/// double precision (iterative refinement: Wilkinson 1963; Higham 2002).
+struct Refined<'a> {
+    factor: &'a mut FrontalFactor,
+    b: &'a [f64],
+    x: &'a mut [f64],
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    /// Size of the last correction; at first that of the solution.
+    last: f64,
+    /// Corrections in a row that did not shrink.
+    stalled: u32,
+}
+
+impl Refinement for Refined<'_> {
+    fn evaluate_residual(&mut self) {
+        self.factor.m_matrix.residual(self.b, self.x, &mut self.residual);
+    }
+
+    fn evaluate_correction(&mut self) -> Result<(), SolverError> {
+        let size = max_norm(&self.residual);
+        self.factor.solve_once(&self.residual, size, &mut self.correction);
+        Ok(())
+    }
+
+    fn correct(&mut self, _round: usize) -> ControlFlow<()> {
+        let size = max_norm(&self.correction);
+        // One that does not shrink may have been behind the noise of the
+        // one before; two are round-off.
+        self.stalled = if size > 0.5 * self.last { self.stalled + 1 } else { 0 };
+        if size == 0.0 || size.is_nan() || self.stalled == 2 {
+            return ControlFlow::Break(());
+        }
+        self.x.iter_mut().zip(&self.correction).for_each(|(x, c)| *x += c);
+        // The next one would shrink as this one has.
+        if size * (size / self.last) <= REFINEMENT_TOLERANCE * max_norm(self.x) {
+            return ControlFlow::Break(());
+        }
+        self.last = size;
+        ControlFlow::Continue(())
+    }
+}
+
 impl Factor for FrontalFactor {
     fn solver(&self) -> &'static str {
         NAME
@@ -331,7 +348,14 @@ impl Factor for FrontalFactor {
         require_size("the solution", n, x.len())?;
         let size = self.size_of(b)?;
         self.solve_once(b, size, x);
-        self.refine(b, x);
+        let residual = std::mem::take(&mut self.residual);
+        let correction = std::mem::take(&mut self.correction);
+        let last = max_norm(x);
+        let mut refined = Refined { factor: self, b, x, residual, correction, last, stalled: 0 };
+        refine(&mut refined, MAX_CORRECTIONS)?;
+        let Refined { residual, correction, .. } = refined;
+        self.residual = residual;
+        self.correction = correction;
         Ok(())
     }
 

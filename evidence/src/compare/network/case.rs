@@ -48,8 +48,8 @@ impl Case {
 /// 1 Pa at the bottom, 0 at the top, nothing through the other walls.
 pub fn boundary() -> Boundary {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMin.index()] = Some(1.0);
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMin] = Some(1.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     boundary
 }
 
@@ -101,8 +101,9 @@ impl Packing {
     /// Those of the network and the solver.
     pub fn flow(&self, fluid: &Fluid) -> Result<Flow, Error> {
         let solver = SolverKind::default();
-        let mut flow = Flow::new(&self.position, &self.radius, self.bounds, fluid, solver)?;
-        flow.solve_static()?;
+        let mut flow = Flow::new(&self.position, &self.radius, self.bounds, fluid, solver)
+            .map_err(dempfv::Error::from)?;
+        flow.solve_static().map_err(dempfv::Error::from)?;
         Ok(flow)
     }
 

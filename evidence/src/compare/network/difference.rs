@@ -127,7 +127,7 @@ impl ByPlace {
 impl Geometry {
     /// Compares pores.
     pub fn new(packing: &Packing, flow: &Flow, theirs: &Theirs, matched: &Match) -> Geometry {
-        let network = &flow.network;
+        let network = flow.network();
         let edge = packing.bounds.size().max();
         let center = |(i, p): (usize, usize)| (network.center[i] - theirs.center[p]).amax() / edge;
         let volume = |(i, p): (usize, usize)| theirs.volume[p].map(|v| v / network.volume[i] - 1.0);
@@ -135,7 +135,7 @@ impl Geometry {
             matched.common().partition(|&(i, _)| walls(network, i) == 0);
         let of = |pores: &[(usize, usize)]| Stat::of(pores.iter().copied().filter_map(volume));
         let imposed =
-            |&(i, p): &(usize, usize)| flow.operators.imposed(i).is_some() != theirs.imposed[p];
+            |&(i, p): &(usize, usize)| flow.operators().imposed(i).is_some() != theirs.imposed[p];
         Geometry {
             center: Stat::of(inner.iter().copied().map(center)),
             volume: of(&inner),
@@ -157,7 +157,7 @@ impl Difference {
         matched: &Match,
     ) -> Difference {
         let push = corner_push(flow, derivatives);
-        let network = &flow.network;
+        let network = flow.network();
         let ours = network.throats.conductance.iter().map(|&g| Some(g));
         let conductance = ByPlace::relative(&places(network), matched.conductances(theirs), ours);
         let pressure = flow.pressure();
@@ -202,11 +202,11 @@ impl Balance {
 
 /// For spheres of corner pores, what these push them by; `None` for the others.
 pub fn corner_push(flow: &Flow, derivatives: &Derivatives) -> Vec<Option<Vec3>> {
-    let (network, pressure) = (&flow.network, flow.pressure());
+    let (network, pressure) = (flow.network(), flow.pressure());
     let t = &network.tessellation;
     let mut push = vec![None; t.spheres];
     for (i, cell) in t.cells.iter().enumerate().filter(|(i, _)| walls(network, *i) == 3) {
-        for (&v, f) in cell.iter().zip(&derivatives.push[i]) {
+        for (&v, f) in cell.iter().zip(&derivatives.force_coefficient[i]) {
             if let Some(total) = push.get_mut(v as usize) {
                 *total = Some(total.unwrap_or_default() + pressure[i] * f);
             }

@@ -115,7 +115,7 @@ impl Evidence {
         let yades = yades(theirs, matched, &corner_push(flow, derivatives));
         let own = own(ours, theirs, matched)?;
         let ours = self::ours(flow);
-        let at = places(&flow.network);
+        let at = places(flow.network());
         let between = |a: &Held, b: &Held| Distance::new(&at, a, b);
         let exact = find(Model::Planes);
         let curves = (!case.clamp).then(|| {
@@ -171,7 +171,7 @@ impl Distance {
 /// Our own flow.
 fn ours(flow: &Flow) -> Held {
     Held {
-        conductance: flow.network.throats.conductance.iter().map(|&g| Some(g)).collect(),
+        conductance: flow.network().throats.conductance.iter().map(|&g| Some(g)).collect(),
         pressure: flow.pressure().iter().map(|&p| Some(p)).collect(),
         force: flow.force().to_vec(),
         flux: flow.flux()[2],
@@ -197,7 +197,7 @@ fn own(
     matched: &Match,
 ) -> Result<Held, Error> {
     let found: Vec<Option<f64>> = matched.conductances(theirs).collect();
-    let solution = Solution::new(&flow.network, derivatives, filled(flow, &found))?;
+    let solution = Solution::new(flow.network(), derivatives, filled(flow, &found))?;
     Ok(Held::solved(found, solution))
 }
 
@@ -210,14 +210,14 @@ fn mixed(
     slip: bool,
 ) -> Result<Held, Error> {
     let found = independent.conductances(model, slip).to_vec();
-    let mut solution = Solution::new(&flow.network, derivatives, filled(flow, &found))?;
+    let mut solution = Solution::new(flow.network(), derivatives, filled(flow, &found))?;
     let Solution { pressure, force, .. } = &mut solution;
-    independent.beyond_planes(&flow.network, (model, slip), pressure, force);
+    independent.beyond_planes(flow.network(), (model, slip), pressure, force);
     Ok(Held::solved(found, solution))
 }
 
 fn filled(flow: &Flow, found: &[Option<f64>]) -> Vec<f64> {
-    let ours = &flow.network.throats.conductance;
+    let ours = &flow.network().throats.conductance;
     ours.iter().enumerate().map(|(k, &g)| found.get(k).copied().flatten().unwrap_or(g)).collect()
 }
 
@@ -227,7 +227,7 @@ fn forces(a: &[Vec3], b: &[Vec3]) -> Stat {
 }
 
 fn balance(flow: &Flow, exact: &IndependentFlow) -> f64 {
-    let size = flow.network.bounds.size();
+    let size = flow.network().bounds.size();
     let sum = flow.force().iter().chain(flow.wall_force()).map(|f| f.y).sum::<f64>();
     (sum - exact.excess.y) / (size.x * size.z)
 }

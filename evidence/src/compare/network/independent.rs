@@ -122,7 +122,7 @@ impl Independent {
             cells: matched.pore.iter().enumerate().map(cell).collect(),
             throats: chosen.iter().map(|&k| network.throats.pores[k]).collect(),
             viscosity: VISCOSITY,
-            pressure: boundary().pressure,
+            pressure: boundary().pressure.0,
             solve: all,
         };
         let step = format!("network-{}-independent", packing.name);

@@ -99,8 +99,8 @@ impl super::Part for Part {
 impl Compared {
     fn new(bench: &Bench, packing: &Packing, theirs: &Theirs) -> Result<Compared, Error> {
         let first = packing.flow(&Case::ALL[0].fluid())?;
-        let matched = Match::new(&first.network, theirs);
-        let independent = Independent::ask(bench, packing, &first.network, theirs, &matched)?;
+        let matched = Match::new(first.network(), theirs);
+        let independent = Independent::ask(bench, packing, first.network(), theirs, &matched)?;
         let (mut flows, mut evidence) = (vec![], vec![]);
         for (case, theirs) in Case::ALL.into_iter().zip(&theirs.cases) {
             let flow = packing.flow(&case.fluid())?;
@@ -109,7 +109,7 @@ impl Compared {
             flows.push(Difference::new(packing, case, ours, theirs, &matched));
             evidence.extend(Evidence::new(case, ours, theirs, &matched, &independent)?);
         }
-        let network = &first.network;
+        let network = first.network();
         let volumes = network.volume.iter().zip(&independent.volume);
         Ok(Compared {
             name: packing.name.clone(),

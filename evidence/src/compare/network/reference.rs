@@ -68,8 +68,8 @@ pub fn write(bench: &Bench, packings: &[PathBuf], folder: &Path) -> Result<Vec<P
 fn write_one(bench: &Bench, packing: &Packing, folder: &Path) -> Result<PathBuf, Error> {
     let flow = packing.flow(&Case::ALL[0].fluid())?;
     let theirs = Theirs::ask(bench, packing, vec![])?;
-    let matched = Match::new(&flow.network, &theirs);
-    let independent = Independent::ask(bench, packing, &flow.network, &theirs, &matched)?;
+    let matched = Match::new(flow.network(), &theirs);
+    let independent = Independent::ask(bench, packing, flow.network(), &theirs, &matched)?;
     if matched.differing() > 0 || independent.flows.is_empty() {
         return Err(Error::Peer {
             step: format!("network-{}", packing.name),
@@ -78,7 +78,7 @@ fn write_one(bench: &Bench, packing: &Packing, folder: &Path) -> Result<PathBuf,
         });
     }
     let reference =
-        Reference::new(&bench.peer.version, &flow.network, &theirs, &matched, &independent);
+        Reference::new(&bench.peer.version, flow.network(), &theirs, &matched, &independent);
     let text = serde_json::to_vec(&reference).map_err(|e| dempfv::Error::io(folder, e.into()))?;
     let path = folder.join(format!("{}.json", packing.name));
     atomic::write(&path, &text)?;
@@ -110,7 +110,7 @@ impl Reference {
             throats: order.iter().map(|&k| network.throats.pores[k].map(number)).collect(),
             at_walls: walls.len(),
             viscosity: network.viscosity,
-            pressure: super::case::boundary().pressure,
+            pressure: super::case::boundary().pressure.0,
             yade: (Case::ALL.into_iter().zip(&theirs.cases))
                 .map(|(case, flow)| of_yade(case, flow, matched, &order))
                 .collect(),

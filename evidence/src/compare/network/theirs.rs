@@ -79,7 +79,7 @@ impl Theirs {
             spheres: packing.spheres(),
             corners: packing.corners(),
             viscosity: VISCOSITY,
-            pressure: boundary().pressure,
+            pressure: boundary().pressure.0,
             cases: Case::ALL,
             scales,
         };

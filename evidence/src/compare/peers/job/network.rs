@@ -32,7 +32,7 @@ pub struct Built {
 /// Water, drained at the top.
 pub fn fluid() -> Fluid {
     let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    boundary.pressure[WallId::YMax] = Some(0.0);
     Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary }
 }
 

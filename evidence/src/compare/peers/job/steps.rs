@@ -75,8 +75,8 @@ impl Run {
             }
         }
         if let Some(flow) = simulation.coupled().flow() {
-            done.pores = flow.network.pores() as f64;
-            done.unknowns = flow.operators.unknowns() as f64;
+            done.pores = flow.network().pores() as f64;
+            done.unknowns = flow.operators().unknowns() as f64;
             done.nnz_l = flow.nnz_l() as f64;
         }
         done.remeshes = simulation.remeshes();
@@ -88,7 +88,7 @@ impl Run {
 /// motion, refined.
 fn check(flow: &Flow) -> Result<(f64, f64), Error> {
     let failed = |e| solver_failed("cholmod", &e);
-    let Flow { network, operators, .. } = flow;
+    let (network, operators) = (flow.network(), flow.operators());
     let a: &SymmetricCsc = &operators.matrix;
     let backend = SolverKind::Cholmod.backend();
     let symbolic = backend.analyze(a, None).map_err(failed)?;

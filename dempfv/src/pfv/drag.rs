@@ -1,0 +1,68 @@
+//! The fluid's resistance to motion: `f = -F G⁻¹ E v`.
+
+use super::{Flow, Network, PfvError};
+use crate::{Vec3, WallId};
+
+/// Volume rates and pressures of a motion that is only tried out.
+pub(super) struct DragScratch {
+    volume_rate: Vec<f64>,
+    /// Zero where the pressure is imposed.
+    pressure: Vec<f64>,
+}
+
+impl DragScratch {
+    pub fn new(network: &Network) -> DragScratch {
+        let zeros = vec![0.0; network.pores()];
+        DragScratch { volume_rate: zeros.clone(), pressure: zeros }
+    }
+}
+
+impl Flow {
+    /// How the fluid resists a wall's motion while the spheres stand still: the
+    /// force on the wall against its velocity, per velocity (N·s/m). Zero where
+    /// the pressure of all pores at the wall is imposed. Takes a solve.
+    ///
+    /// # Errors
+    /// [`PfvError::Solver`] when the solve fails.
+    pub fn wall_resistance(&mut self, wall: WallId) -> Result<f64, PfvError> {
+        let mut force = vec![Vec3::zeros(); self.network().tessellation.spheres];
+        self.wall_drag(wall, &mut DragScratch::new(self.network()), &mut force)
+    }
+
+    /// [`Flow::wall_resistance`], and the force on each sphere (N) when the
+    /// wall moves at 1 m/s.
+    pub(super) fn wall_drag(
+        &mut self,
+        wall: WallId,
+        scratch: &mut DragScratch,
+        force: &mut [Vec3],
+    ) -> Result<f64, PfvError> {
+        let mut speed = [0.0; 6];
+        speed[wall.index()] = 1.0;
+        let at_rest = vec![Vec3::zeros(); force.len()];
+        let wall_force = self.drag(&at_rest, &speed, scratch, force)?;
+        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
+    }
+
+    /// The fluid's force on spheres (N) and walls (returned) that move, the
+    /// imposed pressures being zero: `f = -F G⁻¹ E v`. Leaves the pressures of
+    /// the flow as they are. Takes a solve.
+    pub(super) fn drag(
+        &mut self,
+        velocity: &[Vec3],
+        wall_velocity: &[f64; 6],
+        scratch: &mut DragScratch,
+        force: &mut [Vec3],
+    ) -> Result<[Vec3; 6], PfvError> {
+        let (operators, solver) = self.operators_and_solver();
+        let DragScratch { volume_rate, pressure } = scratch;
+        let mut wall_force = [Vec3::zeros(); 6];
+        operators.volume_rate(velocity, wall_velocity, volume_rate);
+        if solver.respond(operators, volume_rate, pressure)? {
+            operators.forces(pressure, force, &mut wall_force);
+        } else {
+            force.fill(Vec3::zeros());
+        }
+        Ok(wall_force)
+    }
+}

@@ -1,0 +1,301 @@
+//! Solves `G p = -V̇ + Q` for the pressures: by a factor of `G`, or, where the network has moved
+//! on from its factor, by conjugate gradients preconditioned by it.
+
+use std::ops::ControlFlow;
+
+use super::extrapolation::{Extrapolation, Sizes};
+use super::geometry_update::WeakenedThroat;
+use super::operators::NetVolumeRate;
+use super::{Operators, PfvError, PoreConditions};
+use crate::parallel::parts;
+use crate::solver::{
+    ConjugateGradients, ErrorGoal, Factor, Iterations, LinearOperator, Preconditioner, Refinement,
+    SolverError, refine,
+};
+
+/// Largest error that a solve may leave, unless told otherwise.
+const DEFAULT_TOLERANCE: f64 = 1e-11;
+/// Solves for a correction, at most: the first and three refinements.
+const MAX_CORRECTIONS: usize = 4;
+/// Round-off of pressures, relative to the largest imposed one.
+const ROUND_OFF: f64 = 1e-13;
+
+/// The factor of a network's conductance matrix, the memory of its solves, and how they went.
+/// All of it but the statistics is scratch: the state is in [`Extrapolation`].
+pub(super) struct PressureSolver {
+    /// `None` when every pore has an imposed pressure.
+    factor: Option<Box<dyn Factor>>,
+    pub tolerance: f64,
+    pub statistics: SolveStatistics,
+    rhs: Vec<f64>,
+    correction: Vec<f64>,
+    /// Flux from each set of pores with an imposed pressure.
+    flux: Vec<f64>,
+    gradients: ConjugateGradients,
+    /// A vector over all pores, 0 where the pressure is imposed.
+    scattered: Vec<f64>,
+}
+
+/// How the solves went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SolveStatistics {
+    /// Residual of the first solve after the factorization; `None` before it.
+    pub residual: Option<f64>,
+    /// See [`Operators::imbalance`].
+    pub imbalance: f64,
+    /// The pressures are a solution.
+    pub solved: bool,
+}
+
+/// What is solved for: pressures for these volume rates.
+pub(super) struct PressureProblem<'a> {
+    pub operators: &'a Operators,
+    /// Of each pore (m³/s).
+    pub volume_rate: &'a [f64],
+    /// Of the unknowns, with what came before.
+    pub extrapolation: &'a mut Extrapolation,
+    /// Of all pores (Pa).
+    pub pressure: &'a mut [f64],
+}
+
+impl PressureSolver {
+    pub fn new(factor: Option<Box<dyn Factor>>, operators: &Operators) -> PressureSolver {
+        let unknowns = operators.unknowns();
+        PressureSolver {
+            factor,
+            tolerance: DEFAULT_TOLERANCE,
+            statistics: SolveStatistics::default(),
+            rhs: vec![0.0; unknowns],
+            correction: vec![0.0; unknowns],
+            flux: vec![0.0; operators.conditions().sets()],
+            gradients: ConjugateGradients::default(),
+            scattered: vec![],
+        }
+    }
+
+    pub fn factor(&self) -> Option<&dyn Factor> {
+        self.factor.as_deref()
+    }
+
+    pub fn into_factor(self) -> Option<Box<dyn Factor>> {
+        self.factor
+    }
+
+    /// Solves by the factor for the change from what the last pressures predict; repeated
+    /// until the tolerance holds.
+    pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
+        self.statistics.solved = false;
+        let PressureProblem { operators, volume_rate, extrapolation, pressure } = problem;
+        extrapolation.predict(&operators.pore_of, pressure);
+        let net_rate = NetVolumeRate::of(volume_rate);
+        let gain_is_due = extrapolation.gain_is_due();
+        let Some(factor) = self.factor.as_deref_mut() else {
+            operators.write_flux(pressure, volume_rate, &mut self.flux);
+            self.statistics.imbalance = net_rate.imbalance(&self.flux);
+            extrapolation.solved();
+            check_finite(pressure)?;
+            self.statistics.solved = true;
+            return Ok(());
+        };
+        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        let mut refined = RefinedPressures {
+            factor,
+            problem,
+            net_rate,
+            gain_is_due,
+            tolerance: self.tolerance,
+            statistics: &mut self.statistics,
+            rhs: &mut self.rhs,
+            correction: &mut self.correction,
+            flux: &mut self.flux,
+            last_change: 0.0,
+            largest: 0.0,
+        };
+        refine(&mut refined, MAX_CORRECTIONS)?;
+        let RefinedPressures { problem, largest, .. } = refined;
+        let PressureProblem { extrapolation, pressure, .. } = problem;
+        extrapolation.solved();
+        if !largest.is_finite() {
+            check_finite(pressure)?;
+        }
+        self.statistics.solved = true;
+        Ok(())
+    }
+
+    /// Solves by conjugate gradients for a network that has moved on from its factor, until the
+    /// estimated error is at most `tolerance`.
+    pub fn iterate(
+        &mut self,
+        problem: PressureProblem,
+        weakened: &[WeakenedThroat],
+        tolerance: f64,
+    ) -> Result<Iterations, PfvError> {
+        self.statistics.solved = false;
+        let PressureProblem { operators, volume_rate, extrapolation, pressure } = problem;
+        let mut went = Iterations::default();
+        if let Some(factor) = self.factor.as_deref_mut() {
+            extrapolation.predict(&operators.pore_of, pressure);
+            self.scattered.resize(pressure.len(), 0.0);
+            operators.residual(pressure, volume_rate, &mut self.rhs);
+            let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
+            let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
+            let mut factor = AgedFactor { factor, weakened };
+            let (x, residual) = (&mut extrapolation.now, &mut self.rhs);
+            went = self.gradients.solve(&mut matrix, &mut factor, x, residual, &goal)?;
+        }
+        extrapolation.solved();
+        operators.pressures(&extrapolation.now, pressure);
+        operators.write_flux(pressure, volume_rate, &mut self.flux);
+        self.statistics.imbalance = NetVolumeRate::of(volume_rate).imbalance(&self.flux);
+        check_finite(pressure)?;
+        self.statistics.solved = true;
+        Ok(went)
+    }
+
+    /// Writes the pressures (Pa) that these volume rates (m³/s) cause by themselves, the imposed
+    /// pressures being zero: `-G⁻¹ V̇`. Entries of pores with an imposed pressure stay as they
+    /// are. False when no pressure is unknown.
+    pub fn respond(
+        &mut self,
+        operators: &Operators,
+        volume_rate: &[f64],
+        pressure: &mut [f64],
+    ) -> Result<bool, PfvError> {
+        let Some(factor) = &mut self.factor else { return Ok(false) };
+        for (b, &pore) in self.rhs.iter_mut().zip(&operators.pore_of) {
+            *b = -volume_rate[pore as usize];
+        }
+        factor.solve(&self.rhs, &mut self.correction)?;
+        for (p, &pore) in self.correction.iter().zip(&operators.pore_of) {
+            pressure[pore as usize] = *p;
+        }
+        Ok(true)
+    }
+}
+
+/// Refuses pressures that are not finite.
+fn check_finite(pressure: &[f64]) -> Result<(), PfvError> {
+    let finite = |part: &[f64]| part.iter().all(|p| p.is_finite());
+    if parts(pressure, finite, true, |a, b| a && b) {
+        return Ok(());
+    }
+    let pore = pressure.iter().position(|p| !p.is_finite()).unwrap_or(0);
+    Err(PfvError::PressureNotFinite { pore: pore as u32 })
+}
+
+/// Pressures that are corrected by the factor of their matrix.
+struct RefinedPressures<'a> {
+    factor: &'a mut dyn Factor,
+    problem: PressureProblem<'a>,
+    net_rate: NetVolumeRate,
+    /// What a correction leaves is to be looked up.
+    gain_is_due: bool,
+    tolerance: f64,
+    statistics: &'a mut SolveStatistics,
+    rhs: &'a mut [f64],
+    correction: &'a mut [f64],
+    flux: &'a mut [f64],
+    /// Size of the last correction (Pa).
+    last_change: f64,
+    /// Largest pressure (Pa).
+    largest: f64,
+}
+
+impl Refinement for RefinedPressures<'_> {
+    fn evaluate_residual(&mut self) {
+        let PressureProblem { operators, volume_rate, pressure, .. } = &self.problem;
+        operators.residual(pressure, volume_rate, self.rhs);
+    }
+
+    fn evaluate_correction(&mut self) -> Result<(), SolverError> {
+        let RefinedPressures { factor, statistics, rhs, correction, .. } = self;
+        if statistics.residual.is_some() {
+            return factor.correct(rhs, correction);
+        }
+        let matrix = &self.problem.operators.matrix;
+        statistics.residual = Some(factor.correct_checked(matrix, rhs, correction)?);
+        Ok(())
+    }
+
+    /// Enough is enough when both the imbalance of fluid mass and the error are small; the
+    /// error is known by what a correction has been seen to leave.
+    fn correct(&mut self, round: usize) -> ControlFlow<()> {
+        let PressureProblem { operators, volume_rate, extrapolation, pressure } = &mut self.problem;
+        let Sizes { change, pressure: largest } =
+            extrapolation.correct(self.correction, &operators.pore_of, pressure);
+        self.largest = largest;
+        operators.write_flux(pressure, volume_rate, self.flux);
+        self.statistics.imbalance = self.net_rate.imbalance(self.flux);
+        if round == 1 {
+            extrapolation.observe_gain(change, self.last_change);
+        }
+        self.last_change = change;
+        let error = extrapolation.gain() * change;
+        let small = error <= self.tolerance * largest;
+        if self.statistics.imbalance <= self.tolerance && small && (round > 0 || !self.gain_is_due)
+        {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// The conductance matrix of the moment, applied throat by throat.
+struct ThroatwiseMatrix<'a> {
+    operators: &'a Operators,
+    scattered: &'a mut [f64],
+}
+
+impl LinearOperator for ThroatwiseMatrix<'_> {
+    fn unknowns(&self) -> usize {
+        self.operators.unknowns()
+    }
+
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        for (d, &pore) in x.iter().zip(&self.operators.pore_of) {
+            self.scattered[pore as usize] = *d;
+        }
+        self.operators.conduct(self.scattered, y);
+    }
+}
+
+/// The factor of an earlier network of the same pores.
+struct AgedFactor<'a> {
+    factor: &'a mut dyn Factor,
+    weakened: &'a [WeakenedThroat],
+}
+
+impl Preconditioner for AgedFactor<'_> {
+    fn precondition(&mut self, r: &[f64], correction: &mut [f64]) -> Result<(), SolverError> {
+        self.factor.correct(r, correction)?;
+        correct_weakened(self.weakened, r, correction);
+        Ok(())
+    }
+}
+
+/// Adds what the aged factor does too little of: where a throat was much wider
+/// when it was factored, the difference of its two pores hardly counts. Each
+/// such difference is solved for by itself (additive Schwarz).
+fn correct_weakened(weakened: &[WeakenedThroat], residual: &[f64], correction: &mut [f64]) {
+    for &WeakenedThroat { unknowns, inverse } in weakened {
+        let [u, v] = unknowns.map(|u| u as usize);
+        let at = |u: usize| residual.get(u).copied().unwrap_or(0.0);
+        let step = inverse * (at(u) - at(v));
+        if let Some(c) = correction.get_mut(u) {
+            *c += step;
+        }
+        if let Some(c) = correction.get_mut(v) {
+            *c -= step;
+        }
+    }
+}
+
+/// Pressures are measured from the mean imposed one, and their round-off follows from the
+/// largest.
+fn goal(conditions: &PoreConditions, unknowns: usize, relative_error: f64) -> ErrorGoal {
+    let imposed = || conditions.pressures().iter().flatten();
+    let datum = imposed().sum::<f64>() / imposed().count().max(1) as f64;
+    let largest = imposed().fold(0.0f64, |m, p| m.max(p.abs()));
+    ErrorGoal { relative_error, datum, round_off: ROUND_OFF * largest * (unknowns as f64).sqrt() }
+}
