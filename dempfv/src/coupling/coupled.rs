@@ -16,7 +16,7 @@ use crate::dem::{Dem, DemError, WallControl};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
 use crate::solver::SolverKind;
-use crate::{Result, Vec3};
+use crate::{PerWall, Result, Vec3};
 
 /// With fewer spheres than this most of a step is done by one thread.
 const AWAKE: usize = 2_000;
@@ -101,7 +101,7 @@ impl Coupled {
     /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
     /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
     pub fn pressure_at_spheres(&self) -> Vec<f64> {
-        let particles = self.dem.particles();
+        let particles = self.dem.storage();
         let mut sums = vec![(0.0, 0.0); particles.len()];
         if let Some(flow) = self.flow() {
             let (cells, volume) = (&flow.network.tessellation.cells, &flow.network.volume);
@@ -140,7 +140,7 @@ impl Coupled {
     /// network that was built from the positions of an earlier step.
     pub fn step(&mut self, dt: f64) -> Result<()> {
         let beside = self.networks.acceleration().remesh == RemeshMode::Background;
-        if self.dem.particles().len() < AWAKE || beside {
+        if self.dem.storage().len() < AWAKE || beside {
             self.step_now(dt)
         } else {
             spinning(|| self.step_now(dt))
@@ -166,7 +166,7 @@ impl Coupled {
             let Coupled { dem, phases, networks, .. } = self;
             let follow = networks.acceleration().update == Update::EveryStep;
             if let Some(wet) = &mut networks.current {
-                let particles = dem.particles();
+                let particles = dem.storage();
                 let mut motion = motion(dem, &particles.velocity, dt);
                 if follow {
                     motion.place = Some(Place {
@@ -198,7 +198,7 @@ impl Coupled {
     fn dry_step(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        dem.set_wall_resistance([0.0; 6]);
+        dem.set_wall_resistance([0.0; 6].into());
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         Ok(())
@@ -209,11 +209,11 @@ impl Coupled {
     /// the other.
     fn contacts_beside_fluid(&mut self, dt: f64, fluid: &Fluid) -> Result<()> {
         let Coupled { dem, networks, phases, beside, .. } = self;
-        beside.velocity.clone_from(&dem.particles().velocity);
+        beside.velocity.clone_from(&dem.storage().velocity);
         let mut motion = motion(dem, &beside.velocity, dt);
         if networks.acceleration().update == Update::EveryStep {
-            beside.position.clone_from(&dem.particles().position);
-            beside.radius.clone_from(&dem.particles().radius);
+            beside.position.clone_from(&dem.storage().position);
+            beside.radius.clone_from(&dem.storage().radius);
             motion.place = Some(Place {
                 position: &beside.position,
                 radius: &beside.radius,
@@ -240,7 +240,7 @@ impl Coupled {
     fn integrate(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, networks, phases, .. } = self;
         let wet = networks.current.as_ref();
-        dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
+        dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()).into());
         if let Some(ActiveNetwork { flow, iterations, state, .. }) = wet {
             if let Some(went) = iterations {
                 self.update_counts.add(*went, state.worn);
@@ -249,7 +249,8 @@ impl Coupled {
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
         let (force, wall_force) = wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
-        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
+        let wall_force = wall_force.copied().map(PerWall::from);
+        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
         Ok(())
     }
 
@@ -418,8 +419,8 @@ fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> Motion<'a> {
     let walls = dem.walls();
     Motion {
         velocity,
-        walls: walls.each_ref().map(|w| w.velocity),
-        servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
+        walls: walls.map(|w| w.velocity).0,
+        servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
         place: None,
     }

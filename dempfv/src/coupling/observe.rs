@@ -48,9 +48,9 @@ impl Coupled {
             flow.map_or(0.0, |f| f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max));
         Observation {
             size: bounds.size().into(),
-            contact_stress: WallId::ALL.map(|w| stress(contact_force[w.index()], w)),
+            contact_stress: WallId::ALL.map(|w| stress(contact_force[w], w)),
             fluid_stress: WallId::ALL.map(|w| stress(fluid_force[w.index()], w)),
-            wall_displacement: dem.walls().each_ref().map(|w| w.displacement),
+            wall_displacement: dem.walls().map(|w| w.displacement).0,
             porosity: dem.porosity(),
             unbalanced_force: self.unbalanced_force(),
             contacts: dem.sphere_contact_count() + dem.wall_contact_count(),
@@ -82,7 +82,7 @@ impl Coupled {
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
         let fluid = self.flow().map_or(crate::Vec3::zeros(), |f| f.wall_force()[wall.index()]);
-        let force = self.dem.wall_force()[wall.index()] + fluid;
+        let force = self.dem.wall_force()[wall] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
 }

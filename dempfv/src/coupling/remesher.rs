@@ -315,7 +315,7 @@ impl Remesher {
                 let step = snapshot.step;
                 // For a checkpoint: a restart tries the same again.
                 self.pending = Some(Pending::new(snapshot));
-                let source = Box::new(with_users_numbers(error, site.dem.particles()));
+                let source = Box::new(with_users_numbers(error, site.dem.storage()));
                 Err(if step == site.step { *source } else { Error::Snapshot { step, source } })
             }
         }
@@ -357,7 +357,7 @@ impl Remesher {
     fn order(&mut self, snapshot: &Snapshot, site: Site) -> Order {
         Order {
             position: snapshot.position.clone(),
-            radius: site.dem.particles().radius.clone(),
+            radius: site.dem.storage().radius.clone(),
             bounds: snapshot.bounds,
             fluid: site.saturation.fluid,
             solver: site.saturation.solver,
@@ -382,7 +382,7 @@ impl Remesher {
         let snapshot = Snapshot::of(site.dem, site.step);
         let flow = self
             .build(&snapshot, site, phases)
-            .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
+            .map_err(|e| with_users_numbers(e, site.dem.storage()))?;
         self.install(flow, snapshot, site, phases);
         Ok(())
     }
@@ -409,7 +409,7 @@ impl Remesher {
             None => vec![],
             Some(_) if snapshot.step == site.step => vec![0.0; flow.network.pores()],
             Some(_) => {
-                let now = flow.network.volumes_at(&site.dem.particles().position, &site.dem.box_());
+                let now = flow.network.volumes_at(&site.dem.storage().position, &site.dem.box_());
                 now.iter().zip(&flow.network.volume).map(|(now, then)| now - then).collect()
             }
         };
@@ -479,7 +479,7 @@ impl Remesher {
         let pending = state.pending.take();
         let mut flow = self
             .build(&state.snapshot, site, phases)
-            .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
+            .map_err(|e| with_users_numbers(e, site.dem.storage()))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         flow.resume(&state.extrapolation);

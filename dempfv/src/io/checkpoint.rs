@@ -16,7 +16,7 @@ use crate::{Error, InputError, Result};
 
 const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
 
