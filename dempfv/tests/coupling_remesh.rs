@@ -147,7 +147,7 @@ fn a_hidden_sphere_still_carries_contacts() {
                 dempfv::dem::Partner::Sphere(j) => j,
                 dempfv::dem::Partner::Wall(_) => u32::MAX,
             };
-            c.i as usize == at || other as usize == at
+            c.i == hidden || other == hidden
         });
         assert!(touching.count() == 2, "step {step}");
     }

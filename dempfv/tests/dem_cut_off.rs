@@ -147,13 +147,18 @@ fn histories_follow_a_new_order() {
         .collect();
     let spheres = Particles::new(centres, vec![0.045; 40], 2600.0);
     let walls = frictionless_walls();
-    let options = DemOptions { gravity: Some(Vec3::new(0.3, 0.2, 0.1)), ..DemOptions::default() };
-    let mut dem = Dem::with_law(LongSpring, spheres, UNIT, material(), walls, options).unwrap();
+    let options = DemOptions::default();
+    let dem = Dem::with_law(LongSpring, spheres, UNIT, material(), walls, options).unwrap();
+    // The other way round in storage.
+    let mut state = dem.state();
+    state.particles.id.reverse();
+    state.particles.position.reverse();
+    let mut dem = Dem::with_law_from_state(LongSpring, state, material(), walls, options).unwrap();
     for i in 0..40 {
         let x = dem.position(i);
         dem.set_velocity(i, 1e-2 * Vec3::new((40.0 * x.y).sin(), (30.0 * x.x).cos(), 0.0));
     }
-    for _ in 0..2000 {
+    for _ in 0..300 {
         dem.step(1e-4).unwrap();
     }
     dem.compute_contacts().unwrap();
