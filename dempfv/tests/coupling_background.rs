@@ -163,8 +163,7 @@ fn the_strain_stays_below_its_limit() {
         for _ in 0..1500 {
             coupled.step(0.1 * DT).unwrap();
             let network = &coupled.flow().unwrap().network();
-            let now =
-                network.volumes_at(&coupled.dem().particles().position, &coupled.dem().box_());
+            let now = network.volumes_at(&coupled.dem().storage().position, &coupled.dem().box_());
             let strains = now.iter().zip(&network.volume).map(|(now, v)| ((now - v) / v).abs());
             largest = largest.max(strains.fold(0.0, f64::max));
         }

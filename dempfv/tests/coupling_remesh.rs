@@ -35,8 +35,8 @@ fn shrinking(remesh: RemeshRule) -> Coupled {
     let mut dem = Dem::new(particles, s.bounds, material, walls, DemOptions::default()).unwrap();
     let height = s.bounds.size().y;
     dem.set_control(WallId::YMax, WallControl::Velocity(-1e-4 * height)).unwrap();
-    let positions = dem.particles().position.clone();
-    for (v, x) in dem.velocities_mut().0.iter_mut().zip(positions) {
+    let positions = dem.storage().position.clone();
+    for (v, x) in dem.storage_velocities_mut().0.iter_mut().zip(positions) {
         *v = Vec3::new(0.0, -1e-4 * x.y, 0.0);
     }
     // A dry step gives the wall its velocity.
@@ -129,14 +129,14 @@ fn a_hidden_sphere_still_carries_contacts() {
     let particles = Particles::new(s.x, s.r, material.density);
     let options = DemOptions { damping: 0.2, ..DemOptions::default() };
     let mut dem = Dem::new(particles, s.bounds, material, walls, options).unwrap();
-    for v in dem.velocities_mut().0 {
+    for v in dem.storage_velocities_mut().0 {
         *v = 1e-3 * random.vector();
     }
     let mut coupled = Coupled::new(dem);
     coupled.saturate(saturation(RemeshRule { interval: Some(5), strain: None }));
-    let id = coupled.dem().particles().id.clone();
+    let id = coupled.dem().storage().id.clone();
     let at = id.iter().position(|&i| i == hidden).unwrap();
-    let before = coupled.dem().particles().position[at];
+    let before = coupled.dem().storage().position[at];
     for step in 0..20 {
         coupled.step(1e-5).unwrap();
         let flow = coupled.flow().unwrap();
@@ -147,10 +147,10 @@ fn a_hidden_sphere_still_carries_contacts() {
                 dempfv::dem::Partner::Sphere(j) => j,
                 dempfv::dem::Partner::Wall(_) => u32::MAX,
             };
-            c.i as usize == at || other as usize == at
+            c.i == hidden || other == hidden
         });
         assert!(touching.count() == 2, "step {step}");
     }
-    assert!(coupled.dem().forces()[at].norm() > 0.0);
-    assert!(coupled.dem().particles().position[at] != before);
+    assert!(coupled.dem().storage_forces()[at].norm() > 0.0);
+    assert!(coupled.dem().storage().position[at] != before);
 }

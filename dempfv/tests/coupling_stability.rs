@@ -57,10 +57,10 @@ enum Kick {
 /// The kinetic energy `steps` steps after a kick, over that of the kick.
 fn growth(mut coupled: Coupled, kick: Kick, dt: f64, steps: usize) -> f64 {
     let mode = coupled.viscous_mode().map(|m| m.shape.clone()).unwrap_or_default();
-    let mass = coupled.dem().particles().mass.clone();
+    let mass = coupled.dem().storage().mass.clone();
     let total: f64 = mass.iter().sum();
     let mut random = Random(5);
-    for (i, v) in coupled.controls().velocities_mut().0.iter_mut().enumerate() {
+    for (i, v) in coupled.controls().storage_velocities_mut().0.iter_mut().enumerate() {
         *v = match kick {
             Kick::Random(speed) => speed * random.vector(),
             Kick::Mode => 1e-3 * (total / mass[i]).sqrt() * mode[i],

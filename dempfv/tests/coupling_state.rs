@@ -37,10 +37,10 @@ fn sorting_while_wet_changes_no_pressure() {
         let run = |sort: bool| {
             let mut coupled = moving(5, every(40), mode(remesh));
             course(&mut coupled, 130, 4.0 * DT);
-            let before = coupled.dem().particles().id.clone();
+            let before = coupled.dem().storage().id.clone();
             if sort {
                 coupled.sort_spatially().unwrap();
-                assert_ne!(coupled.dem().particles().id, before, "nothing was out of order");
+                assert_ne!(coupled.dem().storage().id, before, "nothing was out of order");
             } else {
                 // Another fluid and the same again: a network of these positions.
                 coupled.saturate(drained(2.0, every(40)));
@@ -70,18 +70,18 @@ fn lists_are_by_the_users_numbers() {
     let position = spheres.x.clone();
     let mut coupled = Coupled::new(dem_of(spheres));
     assert_eq!(coupled.positions(), position);
-    assert_ne!(coupled.dem().particles().position, position, "storage order is another");
+    assert_ne!(coupled.dem().storage().position, position, "storage order is another");
     assert!(coupled.fluid_force().iter().all(|f| *f == Vec3::zeros()));
     coupled.saturate(drained(1e-3, every(10)));
     // At rest nothing flows: the second step has velocities.
     course(&mut coupled, 2, 1e-6);
     let (fluid, contact, velocity) =
         (coupled.fluid_force(), coupled.contact_force(), coupled.velocities());
-    let particles = coupled.dem().particles();
+    let particles = coupled.dem().storage();
     let flow = coupled.flow().unwrap();
     for (k, &id) in particles.id.iter().enumerate() {
         assert_eq!(fluid[id as usize], flow.force()[k]);
-        assert_eq!(contact[id as usize], coupled.dem().forces()[k]);
+        assert_eq!(contact[id as usize], coupled.dem().storage_forces()[k]);
         assert_eq!(velocity[id as usize], particles.velocity[k]);
     }
     let total: Vec3 = fluid.iter().sum();

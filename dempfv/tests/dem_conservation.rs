@@ -29,13 +29,13 @@ fn gas(count: usize, friction_angle: f64) -> Dem {
 
 /// Σ m |v| (kg m/s)
 fn total_momentum_size(dem: &Dem) -> f64 {
-    let p = dem.particles();
+    let p = dem.storage();
     p.mass.iter().zip(&p.velocity).map(|(m, v)| m * v.norm()).sum()
 }
 
 /// Σ x × m v + I ω about the origin, and Σ of the sizes (kg m²/s).
 fn angular_momentum(dem: &Dem) -> (Vec3, f64) {
-    let p = dem.particles();
+    let p = dem.storage();
     let each = (0..p.len()).map(|i| {
         let inertia = 0.4 * p.mass[i] * p.radius[i].powi(2);
         (p.mass[i] * p.position[i].cross(&p.velocity[i]), inertia * p.spin[i])
@@ -64,10 +64,10 @@ fn momentum_is_conserved() {
 /// The energy of a frictionless gas (J): kinetic, of the velocities at the
 /// time of the positions, v + F/m Δt/2, and elastic.
 fn energy(dem: &Dem, dt: f64) -> f64 {
-    let p = dem.particles();
+    let p = dem.storage();
     let kinetic: f64 = (0..p.len())
         .map(|i| {
-            let v = p.velocity[i] + dem.forces()[i] * (0.5 * dt / p.mass[i]);
+            let v = p.velocity[i] + dem.storage_forces()[i] * (0.5 * dt / p.mass[i]);
             0.5 * p.mass[i] * v.norm_squared()
         })
         .sum();
@@ -99,7 +99,7 @@ fn collision_error(dt: f64) -> f64 {
     }
     assert!(seen > 50 && dem.contacts().count() == 0, "{seen}");
     let mut pairs = vec![-1.0; 1000];
-    let p = dem.particles();
+    let p = dem.storage();
     for (i, &id) in p.id.iter().enumerate() {
         pairs[id as usize / 2] += 0.5 * p.mass[i] * p.velocity[i].norm_squared() / pair_energy;
     }
@@ -142,6 +142,11 @@ fn spin_has_energy() {
     let mut p = cloud(1, 1);
     p.spin[0] = Vec3::new(0.0, 3.0, 4.0);
     let expected = 0.2 * p.mass[0] * p.radius[0].powi(2) * 25.0;
-    let dem = Dem::new(p, SPACE, material(), frictionless_walls(), DemOptions::default()).unwrap();
-    assert!((dem.kinetic_energy() / expected - 1.0).abs() < 1e-14);
+    let mut dem =
+        Dem::new(p, SPACE, material(), frictionless_walls(), DemOptions::default()).unwrap();
+    assert!((dem.rotational_energy() / expected - 1.0).abs() < 1e-14);
+    dem.set_velocity(0, Vec3::new(1.0, 2.0, 2.0));
+    let translation = 0.5 * dem.mass(0) * 9.0;
+    assert!((dem.translational_energy() / translation - 1.0).abs() < 1e-14);
+    assert!((dem.kinetic_energy() / (expected + translation) - 1.0).abs() < 1e-14);
 }

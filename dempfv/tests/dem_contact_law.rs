@@ -4,7 +4,7 @@ mod dem_support;
 
 use std::f64::consts::PI;
 
-use dem_support::{frictionless_walls, index, material};
+use dem_support::{frictionless_walls, material};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, Partner, WallMaterial};
 use dempfv::{Aabb, Vec3, WallId};
 use nalgebra::Rotation3;
@@ -53,8 +53,7 @@ fn head_on_collision() {
     let k = 2.0 * 1e6 * r1 * r2 / (r1 + r2);
     let options = DemOptions::default();
     let mut dem = Dem::new(p, BOX, material(), frictionless_walls(), options).unwrap();
-    let (a, b) = (index(&dem, 0), index(&dem, 1));
-    let apart = |d: &Dem| r1 + r2 - (d.particles().position[b] - d.particles().position[a]).norm();
+    let apart = |d: &Dem| r1 + r2 - (d.position(1) - d.position(0)).norm();
     // 2000 steps per collision: the leapfrog's frequency is off by (ω Δt)²/24.
     let dt = PI * (m / k).sqrt() / 2000.0;
     let (duration, peak) = collide(&mut dem, dt, apart);
@@ -63,7 +62,7 @@ fn head_on_collision() {
     for _ in 0..10 {
         dem.step(dt).unwrap();
     }
-    let v = [a, b].map(|i| dem.particles().velocity[i].x);
+    let v = [0, 1].map(|i| dem.velocity(i).x);
     assert!((v[0] - 0.5 * (m1 - m2) / (m1 + m2)).abs() < 1e-3, "{v:?}");
     assert!((v[1] - 0.5 * 2.0 * m1 / (m1 + m2)).abs() < 1e-3, "{v:?}");
 }
@@ -83,13 +82,12 @@ fn sphere_on_a_wall() {
         let walls = WallMaterial { young: wall_young, friction_angle: 0.0 };
         let mut dem = Dem::new(p, BOX, material(), walls, DemOptions::default()).unwrap();
         let plane = BOX.wall(wall);
-        let overlap =
-            |d: &Dem| r - (d.particles().position[0][wall.axis()] - plane) * wall.inward();
+        let overlap = |d: &Dem| r - (d.position(0)[wall.axis()] - plane) * wall.inward();
         let dt = PI * (m / k).sqrt() / 2000.0;
         let (duration, peak) = collide(&mut dem, dt, overlap);
         assert!((duration / (PI * (m / k).sqrt()) - 1.0).abs() < 1e-3, "{wall} {duration}");
         assert!((peak / (0.5 * (m / k).sqrt()) - 1.0).abs() < 1e-5, "{wall} {peak}");
-        assert!((dem.particles().velocity[0] - 0.5 * normal).norm() < 1e-3);
+        assert!((dem.velocity(0) - 0.5 * normal).norm() < 1e-3);
     }
 }
 
@@ -109,7 +107,7 @@ fn a_sphere_at_rest_weighs_what_it_weighs() {
         dem.step(1e-3).unwrap();
     }
     dem.compute_contacts().unwrap();
-    assert!((dem.wall_force()[WallId::YMin.index()].y / -weight - 1.0).abs() < 1e-6);
+    assert!((dem.wall_force()[WallId::YMin].y / -weight - 1.0).abs() < 1e-6);
     let contact = dem.contacts().next().unwrap();
     assert!((contact.overlap / (weight / 1e5) - 1.0).abs() < 1e-6);
     assert!(dem.unbalanced_force(None) < 1e-6);
@@ -140,8 +138,8 @@ fn sliding_turns_into_rolling() {
     let (mut v, mut spin) = (0.0, 0.0);
     for _ in 0..steps {
         dem.step(dt).unwrap();
-        v += dem.particles().velocity[0].x / steps as f64;
-        spin += dem.particles().spin[0].z / steps as f64;
+        v += dem.velocity(0).x / steps as f64;
+        spin += dem.spin(0).z / steps as f64;
     }
     let expected = v0 / (1.0 + 0.4 * r * r / (r - 0.5 * overlap).powi(2));
     assert!((expected / (5.0 / 7.0 * v0) - 1.0).abs() < 1e-5);
@@ -162,12 +160,14 @@ fn carry_around(steps: u32) -> f64 {
     p.velocity[1] = Vec3::new(0.0, 0.3e-3, 0.1e-3);
     let mut dem =
         Dem::new(p, BOX, material(), frictionless_walls(), DemOptions::default()).unwrap();
-    let (a, b) = (index(&dem, 0), index(&dem, 1));
     let shear = |dem: &mut Dem| {
         dem.compute_contacts().unwrap();
         let contact = dem.contacts().next().unwrap();
-        assert_eq!(contact.partner, Partner::Sphere(1));
-        if a < b { contact.shear } else { -contact.shear }
+        match (contact.i, contact.partner) {
+            (0, Partner::Sphere(1)) => contact.shear,
+            (1, Partner::Sphere(0)) => -contact.shear,
+            other => panic!("{other:?}"),
+        }
     };
     for _ in 0..100 {
         dem.step(1e-3).unwrap();
@@ -182,11 +182,10 @@ fn carry_around(steps: u32) -> f64 {
     let origin = BOX.center();
     for _ in 0..steps {
         dem.compute_contacts().unwrap();
-        let position = dem.particles().position.clone();
-        let (velocity, spin) = dem.velocities_mut();
         for i in 0..2 {
-            velocity[i] = (turn * (position[i] - origin) + origin - position[i]) / dt;
-            spin[i] = axis.into_inner() * (angle / dt);
+            let x = dem.position(i);
+            dem.set_velocity(i, (turn * (x - origin) + origin - x) / dt);
+            dem.set_spin(i, axis.into_inner() * (angle / dt));
         }
         dem.integrate(dt, None, None).unwrap();
     }
@@ -220,7 +219,7 @@ fn friction_is_cut_at_coulombs_limit() {
             dem.compute_contacts().unwrap();
             let path = 1e-3 * dt * f64::from(step);
             let expected = (0.5 * 1e6 * r * path).min(angle.tan() * push);
-            let force = dem.forces()[0];
+            let force = dem.force(0);
             assert!((force.x + expected).abs() < 1e-9 * push, "{step} {force} {expected}");
             assert!((force.y / push - 1.0).abs() < 1e-9);
             dem.integrate(dt, None, None).unwrap();
@@ -256,7 +255,7 @@ fn local_damping_by_hand() {
     let mut dem = Dem::new(p, BOX, material(), frictionless_walls(), options).unwrap();
     dem.step(dt).unwrap();
     let expected = start + dt * Vec3::new(0.7 * 1.0, 1.3 * -2.0, 0.7 * 4.0);
-    assert!((dem.particles().velocity[0] - expected).norm() < 1e-15);
-    let moved = dem.particles().position[0] - BOX.center();
+    assert!((dem.velocity(0) - expected).norm() < 1e-15);
+    let moved = dem.position(0) - BOX.center();
     assert!((moved - dt * expected).norm() < 1e-15);
 }

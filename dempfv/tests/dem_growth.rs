@@ -42,9 +42,9 @@ fn growth_follows_its_law() {
     let mut growth = GrowthCompaction::new(options).unwrap();
     let (mut passed, mut after) = (false, 0);
     while after < 10 {
-        let before = dem.particles().radius[0];
+        let before = dem.radius(0);
         let status = growth.step(&mut dem).unwrap();
-        let factor = dem.particles().radius[0] / before;
+        let factor = dem.radius(0) / before;
         if !(status.steps - 1).is_multiple_of(10) {
             assert_eq!(factor, 1.0);
             continue;

@@ -37,6 +37,10 @@ fn bad_particles_are_named() {
     let mut p = cloud(20, 1);
     p.spin.pop();
     assert_eq!(error_of(p), DemError::Length { what: "spin", found: 19, expected: 20 });
+
+    let mut p = cloud(20, 1);
+    p.id[7] = 3;
+    assert_eq!(error_of(p), DemError::Numbers { number: 3, count: 20 });
 }
 
 #[test]
@@ -66,20 +70,23 @@ fn what_is_not_finite_is_named() {
     let mut fluid = vec![Vec3::zeros(); 2000];
     fluid[k].x = f64::INFINITY;
     dem.compute_contacts().unwrap();
-    let particle = dem.particles().id[k];
+    let particle = dem.storage().id[k];
     let error = dem.integrate(1e-4, Some(&fluid), None).unwrap_err();
     assert_eq!(error, DemError::NotFinite { particle, quantity: "the fluid force" });
+
+    let mut dem = make(cloud(20, 1)).unwrap();
+    dem.add_torque(7, Vec3::new(f64::NAN, 0.0, 0.0));
+    let error = dem.step(1e-4).unwrap_err();
+    assert_eq!(error, DemError::NotFinite { particle: 7, quantity: "the external torque" });
 }
 
 /// A sphere shot through a wall is found and named.
 #[test]
 fn a_sphere_that_leaves_is_named() {
     let mut dem = make(cloud(50, 1)).unwrap();
-    let k = 20;
-    let particle = dem.particles().id[k];
-    dem.velocities_mut().0[k] = Vec3::new(0.0, 1e5, 0.0);
+    dem.set_velocity(20, Vec3::new(0.0, 1e5, 0.0));
     let error = (0..10).find_map(|_| dem.step(1e-4).err()).unwrap();
-    assert_eq!(error, DemError::OutsideBox { particle, wall: WallId::YMax });
+    assert_eq!(error, DemError::OutsideBox { particle: 20, wall: WallId::YMax });
 }
 
 /// Nothing at all, and one sphere alone, are legal.
@@ -88,7 +95,7 @@ fn few_spheres_are_legal() {
     for count in 0..3 {
         let mut dem = make(cloud(count, 1)).unwrap();
         dem.step(1e-4).unwrap();
-        assert_eq!(dem.particles().len(), count);
+        assert_eq!(dem.len(), count);
         assert_eq!(dem.coordination_number(), 0.0);
         assert_eq!(dem.unbalanced_force(None), 0.0);
     }

@@ -4,7 +4,7 @@ mod dem_support;
 
 use dem_support::{UNIT, cloud, frictionless_walls, material, settled};
 use dempfv::dem::{Dem, DemError, DemOptions, Particles, WallControl};
-use dempfv::{Vec3, WallId};
+use dempfv::{PerWall, Vec3, WallId};
 
 const DAMPED: DemOptions = DemOptions { damping: 0.2, gravity: None, rotation: true, skin: 0.2 };
 
@@ -28,11 +28,11 @@ fn the_servo_reaches_its_stress() {
     assert!((top / 1.1e4 - 1.0).abs() < 1e-3, "{top}");
     assert!((base / top - 1.0).abs() < 2e-3, "{base} {top}");
     // More stress on the same packing: the wall has come in.
-    let displacement = dem.walls()[WallId::YMax.index()].displacement;
+    let displacement = dem.walls()[WallId::YMax].displacement;
     assert!(displacement < 0.0 && displacement > -0.05, "{displacement}");
     assert!((dem.box_().max.y - 1.0 - displacement).abs() < 1e-13);
     // No control acted on the other walls.
-    assert_eq!(dem.walls()[WallId::XMax.index()].displacement, 0.0);
+    assert_eq!(dem.walls()[WallId::XMax].displacement, 0.0);
 }
 
 /// Half of a wanted stress may come from the fluid: the contacts then carry
@@ -43,9 +43,9 @@ fn the_fluid_counts_in_the_servo() {
     let servo = WallControl::Servo { stress: 1e4, max_velocity: 0.5 };
     dem.set_control(WallId::YMax, servo).unwrap();
     let dt = dem.contact_time_step(0.5).unwrap();
-    let mut fluid = [Vec3::zeros(); 6];
+    let mut fluid = PerWall::<Vec3>::default();
     for _ in 0..10_000 {
-        fluid[WallId::YMax.index()].y = 5e3 * dem.box_().wall_area(WallId::YMax);
+        fluid[WallId::YMax].y = 5e3 * dem.box_().wall_area(WallId::YMax);
         dem.compute_contacts().unwrap();
         dem.integrate(dt, None, Some(&fluid)).unwrap();
     }
@@ -62,19 +62,19 @@ fn a_servo_on_fluid_finds_its_speed() {
     let lone = Particles::new(vec![Vec3::repeat(0.3)], vec![0.1], 2600.0);
     let mut dem = Dem::new(lone, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
     let (resistance, dt) = (1e6, 1e-4);
-    let mut all = [0.0; 6];
-    all[WallId::YMax.index()] = resistance;
+    let mut all = PerWall::default();
+    all[WallId::YMax] = resistance;
     dem.set_wall_resistance(all);
     for stress in [2e4, 1e4, 3e4] {
         dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: 1.0 }).unwrap();
         for _ in 0..3 {
-            let mut fluid = [Vec3::zeros(); 6];
-            fluid[WallId::YMax.index()].y = -resistance * dem.walls()[3].velocity;
+            let mut fluid = PerWall::<Vec3>::default();
+            fluid[WallId::YMax].y = -resistance * dem.walls()[WallId::YMax].velocity;
             dem.compute_contacts().unwrap();
             dem.integrate(dt, None, Some(&fluid)).unwrap();
         }
         let expected = -stress * dem.box_().wall_area(WallId::YMax) / resistance;
-        let speed = dem.walls()[WallId::YMax.index()].velocity;
+        let speed = dem.walls()[WallId::YMax].velocity;
         assert!((speed / expected - 1.0).abs() < 1e-9, "{speed} {expected}");
     }
 }
@@ -94,8 +94,8 @@ fn the_servo_law_by_hand() {
         dem.set_control(wall, WallControl::Servo { stress, max_velocity }).unwrap();
         let mut previous = 0.0;
         for step in 0..2 {
-            let before = dem.walls()[wall.index()];
-            let gap = (dem.particles().position[0].z - before.position) * wall.inward();
+            let before = dem.walls()[wall];
+            let gap = (dem.position(0).z - before.position) * wall.inward();
             let height = dem.box_().size().z;
             let limit = max_velocity * dt * 3.0 * height / (2.0 + height);
             // The contact pushes with 10 N, the goal is 5 N: the cut acts.
@@ -103,7 +103,7 @@ fn the_servo_law_by_hand() {
             let shift = 0.75 * wanted + 0.8 * previous;
             previous = shift;
             dem.step(dt).unwrap();
-            let now = dem.walls()[wall.index()];
+            let now = dem.walls()[wall];
             let moved = -wall.inward() * (now.displacement - before.displacement);
             assert!((moved / shift - 1.0).abs() < 1e-9, "{wall} {step}: {moved} {shift}");
             assert!((now.velocity * dt / (-wall.inward() * shift) - 1.0).abs() < 1e-9);
@@ -119,16 +119,16 @@ fn a_moving_wall_kicks() {
         Dem::new(cloud(1, 3), UNIT, material(), frictionless_walls(), DemOptions::default())
             .unwrap();
     dem.set_control(WallId::XMin, WallControl::Velocity(1.0)).unwrap();
-    let radius = dem.particles().radius[0];
-    let gap = dem.particles().position[0].x - radius;
+    let radius = dem.radius(0);
+    let gap = dem.position(0).x - radius;
     let dt = 1e-4;
     let mut steps = 0;
-    while dem.particles().velocity[0].x < 1.999 && steps < 100_000 {
+    while dem.velocity(0).x < 1.999 && steps < 100_000 {
         dem.step(dt).unwrap();
         steps += 1;
     }
-    assert!((dem.particles().velocity[0].x - 2.0).abs() < 1e-3, "gap {gap}, {steps} steps");
-    assert!((dem.walls()[0].displacement - dt * steps as f64).abs() < 1e-12);
+    assert!((dem.velocity(0).x - 2.0).abs() < 1e-3, "gap {gap}, {steps} steps");
+    assert!((dem.walls()[WallId::XMin].displacement - dt * steps as f64).abs() < 1e-12);
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn a_packing_at_rest_is_analyzed_once() {
         let walls = WallMaterial { young: 1e6, friction_angle: 0.0 };
         let particles = Particles::new(s.x, s.r, material.density);
         let dem = Dem::new(particles, s.bounds, material, walls, DemOptions::default()).unwrap();
-        let at = dem.particles().position.clone();
+        let at = dem.storage().position.clone();
         let mut coupled = Coupled::new(dem);
         coupled.accelerate(Acceleration { remesh, ..Acceleration::default() });
         // No flow: both walls have the same pressure.
@@ -159,7 +159,7 @@ fn a_packing_at_rest_is_analyzed_once() {
         let counts = coupled.remesh_counts();
         assert_eq!((counts.networks, counts.analyses), (11, expected), "{remesh:?}");
         // The premise.
-        let still = at.iter().zip(&coupled.dem().particles().position);
+        let still = at.iter().zip(&coupled.dem().storage().position);
         assert!(still.map(|(a, b): (&Vec3, _)| (a - b).norm()).all(|d| d == 0.0));
     }
 }

@@ -161,7 +161,7 @@ fn count_pores(
 /// measurement of a permeability; `None` when no stage has flow.
 fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
     if plan.stages.iter().any(|s| s.kind.is_coupled()) {
-        return plan.fluid.as_ref().map(|f| f.fluid.boundary.pressure);
+        return plan.fluid.as_ref().map(|f| f.fluid.boundary.pressure.0);
     }
     plan.stages.iter().find_map(|s| match &s.kind {
         StageKind::Permeability(p) => {

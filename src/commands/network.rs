@@ -133,7 +133,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     }
     let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
     if folder.is_some() || context.has_json() {
-        announce(flow.network.pores(), packing.len());
+        announce(flow.network().pores(), packing.len());
     }
     flow.solve_static()?;
     let mut report = report(&flow, &packing.radius, &fluid);

@@ -70,8 +70,20 @@ impl Controls<'_> {
         Ok(self.coupled.dem.set_damping(damping)?)
     }
 
+    /// Adds a force (N) to the sphere with this number, in the next step only; see
+    /// [`Dem::add_force`].
+    pub fn add_force(&mut self, number: usize, force: Vec3) {
+        self.coupled.dem.add_force(number, force);
+    }
+
+    /// Adds a torque (N m) to the sphere with this number, in the next step only; see
+    /// [`Dem::add_torque`].
+    pub fn add_torque(&mut self, number: usize, torque: Vec3) {
+        self.coupled.dem.add_torque(number, torque);
+    }
+
     /// Velocities (m/s) and spins (rad/s), in storage order.
-    pub fn velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
-        self.coupled.dem.velocities_mut()
+    pub fn storage_velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
+        self.coupled.dem.storage_velocities_mut()
     }
 }

@@ -16,10 +16,10 @@ use super::remesher::Remesher;
 use super::saturation::Saturation;
 use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
-use crate::Vec3;
 use crate::dem::{Dem, DemError, WallControl};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, ViscousMode};
+use crate::{PerWall, Vec3};
 
 /// Spheres from which on the threads that wait keep their processors busy: with
 /// fewer, most of a step is done by one thread.
@@ -122,7 +122,7 @@ impl Coupled {
     /// for a network that was built from the positions of an earlier step.
     pub fn step(&mut self, dt: f64) -> Result<()> {
         let background = self.remesher.acceleration().remesh == RemeshMode::Background;
-        if self.dem.particles().len() < SPINNING_SPHERES || background {
+        if self.dem.storage().len() < SPINNING_SPHERES || background {
             self.step_now(dt)
         } else {
             spinning(|| self.step_now(dt))
@@ -148,7 +148,7 @@ impl Coupled {
             let Coupled { dem, phases, remesher, .. } = self;
             let follow = remesher.acceleration().update == Update::EveryStep;
             if let Some(network) = &mut remesher.current {
-                let particles = dem.particles();
+                let particles = dem.storage();
                 let mut motion = motion(dem, &particles.velocity, dt);
                 if follow {
                     motion.geometry =
@@ -176,7 +176,7 @@ impl Coupled {
     fn dry_step(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        dem.set_wall_resistance([0.0; 6]);
+        dem.set_wall_resistance([0.0; 6].into());
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         Ok(())
@@ -187,10 +187,10 @@ impl Coupled {
     /// the other.
     fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, remesher, phases, overlap, .. } = self;
-        overlap.velocity.clone_from(&dem.particles().velocity);
+        overlap.velocity.clone_from(&dem.storage().velocity);
         let mut motion = motion(dem, &overlap.velocity, dt);
         if remesher.acceleration().update == Update::EveryStep {
-            overlap.position.clone_from(&dem.particles().position);
+            overlap.position.clone_from(&dem.storage().position);
             motion.geometry =
                 Some(SolidGeometry { position: &overlap.position, bounds: dem.box_() });
         }
@@ -213,7 +213,7 @@ impl Coupled {
     fn integrate(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
-        dem.set_wall_resistance(network.map_or([0.0; 6], |network| network.resistance()));
+        dem.set_wall_resistance(network.map_or([0.0; 6], |network| network.resistance()).into());
         if let Some(ActiveNetwork { flow, iterations, state, .. }) = network {
             if let Some(solve) = iterations {
                 self.update_counts.add(*solve, state.exhausted);
@@ -223,7 +223,8 @@ impl Coupled {
         }
         let (force, wall_force) =
             network.map(|network| (network.flow.force(), network.flow.wall_force())).unzip();
-        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
+        let wall_force = wall_force.copied().map(PerWall::from);
+        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
         Ok(())
     }
 
@@ -409,8 +410,8 @@ fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> SolidMotion<'a> {
     let walls = dem.walls();
     SolidMotion {
         velocity,
-        walls: walls.each_ref().map(|w| w.velocity),
-        servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
+        walls: walls.map(|w| w.velocity).0,
+        servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
         geometry: None,
     }

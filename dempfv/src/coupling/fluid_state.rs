@@ -21,7 +21,7 @@ pub(super) struct Snapshot {
 
 impl Snapshot {
     pub fn of(dem: &Dem, step: u64) -> Snapshot {
-        Snapshot { position: dem.particles().position.clone(), bounds: dem.box_(), step }
+        Snapshot { position: dem.storage().position.clone(), bounds: dem.box_(), step }
     }
 }
 

@@ -59,7 +59,7 @@ impl NetworkSource {
     fn request(&mut self, snapshot: &Snapshot, context: RemeshContext) -> NetworkRequest {
         NetworkRequest {
             position: snapshot.position.clone(),
-            radius: context.dem.particles().radius.clone(),
+            radius: context.dem.storage().radius.clone(),
             bounds: snapshot.bounds,
             fluid: context.saturation.fluid,
             solver: context.saturation.solver,

@@ -47,9 +47,9 @@ impl Coupled {
             flow.map_or(0.0, |f| f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max));
         Observation {
             size: bounds.size().into(),
-            contact_stress: WallId::ALL.map(|w| stress(contact_force[w.index()], w)),
+            contact_stress: WallId::ALL.map(|w| stress(contact_force[w], w)),
             fluid_stress: WallId::ALL.map(|w| stress(fluid_force[w.index()], w)),
-            wall_displacement: dem.walls().each_ref().map(|w| w.displacement),
+            wall_displacement: dem.walls().map(|w| w.displacement).0,
             porosity: dem.porosity(),
             unbalanced_force: self.unbalanced_force(),
             contacts: dem.sphere_contact_count() + dem.wall_contact_count(),
@@ -81,13 +81,13 @@ impl Coupled {
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
         let fluid = self.flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
-        let force = self.dem.wall_force()[wall.index()] + fluid;
+        let force = self.dem.wall_force()[wall] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
 
     /// Values of single spheres by the user's numbers.
     fn by_user<T: Copy + Default>(&self, values: impl IntoIterator<Item = T>) -> Vec<T> {
-        let id = &self.dem.particles().id;
+        let id = &self.dem.storage().id;
         let mut by_user = vec![T::default(); id.len()];
         for (&id, value) in id.iter().zip(values) {
             by_user[id as usize] = value;
@@ -97,13 +97,13 @@ impl Coupled {
 
     /// Centre of each sphere (m), by the user's numbers.
     pub fn positions(&self) -> Vec<Vec3> {
-        self.by_user(self.dem.particles().position.iter().copied())
+        self.by_user(self.dem.storage().position.iter().copied())
     }
 
     /// Velocity of each sphere (m/s), by the user's numbers; half a time step
     /// behind the positions.
     pub fn velocities(&self) -> Vec<Vec3> {
-        self.by_user(self.dem.particles().velocity.iter().copied())
+        self.by_user(self.dem.storage().velocity.iter().copied())
     }
 
     /// Force of the contacts on each sphere in the last step (N), by the
@@ -121,7 +121,7 @@ impl Coupled {
     /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
     /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
     pub fn pressure_at_spheres(&self) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.dem.particles().len()];
+        let mut sums = vec![(0.0, 0.0); self.dem.storage().len()];
         if let Some(flow) = self.flow() {
             let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
             for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {

@@ -295,7 +295,7 @@ impl Remesher {
                 let step = snapshot.step;
                 // For a checkpoint: a restart tries the same again.
                 self.pending = Some(Pending::new(snapshot));
-                let error = error.with_numbers(&context.dem.particles().id);
+                let error = error.with_numbers(&context.dem.storage().id);
                 Err(match step == context.step {
                     true => error,
                     false => CouplingError::Snapshot { step, source: Box::new(error) },
@@ -321,7 +321,7 @@ impl Remesher {
         let flow = self
             .source
             .build(&snapshot, context, phases)
-            .map_err(|e| e.with_numbers(&context.dem.particles().id))?;
+            .map_err(|e| e.with_numbers(&context.dem.storage().id))?;
         self.install(flow, snapshot, context, phases);
         Ok(())
     }
@@ -354,9 +354,8 @@ impl Remesher {
             None => vec![],
             Some(_) if snapshot.step == context.step => vec![0.0; flow.network().pores()],
             Some(_) => {
-                let now = flow
-                    .network()
-                    .volumes_at(&context.dem.particles().position, &context.dem.box_());
+                let now =
+                    flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_());
                 now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
             }
         };
@@ -432,7 +431,7 @@ impl Remesher {
         let flow = self
             .source
             .build(&state.snapshot, context, phases)
-            .map_err(|e| e.with_numbers(&context.dem.particles().id))?;
+            .map_err(|e| e.with_numbers(&context.dem.storage().id))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {

@@ -42,7 +42,7 @@ impl FastestMode {
                 bound_of(NEGLIGIBLE_BOUND_RATIO * dem.safe_time_step(1.0), dem.options().damping)
             }
         };
-        self.mode = flow.viscous_mode(&dem.particles().mass, servo, start, negligible)?;
+        self.mode = flow.viscous_mode(&dem.storage().mass, servo, start, negligible)?;
         self.servo = Some(servo);
         Ok(())
     }
@@ -69,7 +69,7 @@ fn bound_of(x: f64, damping: f64) -> f64 {
 
 /// The walls that a servo holds.
 fn servo_walls(dem: &Dem) -> [bool; 6] {
-    dem.walls().each_ref().map(|w| matches!(w.control, WallControl::Servo { .. }))
+    dem.walls().map(|w| matches!(w.control, WallControl::Servo { .. })).0
 }
 
 /// The bounds of spheres with or without a fluid of this viscosity (Pa·s).
@@ -78,7 +78,7 @@ pub(super) fn bounds(
     viscosity: Option<f64>,
     fastest: Option<&FastestMode>,
 ) -> TimeStepBounds {
-    let smallest = dem.particles().radius.iter().copied().fold(f64::INFINITY, f64::min);
+    let smallest = dem.storage().radius.iter().copied().fold(f64::INFINITY, f64::min);
     TimeStepBounds {
         contact: dem.safe_time_step(1.0),
         viscous_estimate: viscosity

@@ -4,9 +4,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
-use super::pass::WallSum;
 use super::system::Dem;
-use crate::Vec3;
+use super::wall_pairs::WallSum;
+use crate::{PerWall, Vec3};
 
 /// What the last [`Dem::compute_contacts`] found. The next one does without.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub(crate) struct ContactForces {
     /// Torque on each sphere (N m).
     torque: Vec<Vec3>,
     /// Force on each wall (N), and normal stiffness of its contacts (N/m).
-    walls: [(Vec3, f64); 6],
+    walls: PerWall<(Vec3, f64)>,
 }
 
 impl Dem {
@@ -43,7 +43,7 @@ impl Dem {
         }
         self.forces.force = force;
         self.forces.torque = torque;
-        self.wall_sums = walls.map(|(force, stiffness)| WallSum { force, stiffness });
+        self.wall_sums = walls.map(|&(force, stiffness)| WallSum { force, stiffness });
         Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! The live contacts, one by one, for observables and output.
 
+use super::compiled::{Surfaces, Touch};
+use super::law::{SphereOnPlane, TwoSpheres};
 use super::neighbours::WallPair;
 use super::system::Dem;
 use crate::{Vec3, WallId};
@@ -7,7 +9,7 @@ use crate::{Vec3, WallId};
 /// The other side of a sphere's contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partner {
-    /// The sphere with this index.
+    /// The sphere with this number of the user's.
     Sphere(u32),
     /// A wall.
     Wall(WallId),
@@ -16,13 +18,14 @@ pub enum Partner {
 /// A contact that carries force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Index of the sphere; with two spheres, the smaller index.
+    /// The user's number of the sphere; of two spheres either comes first.
     pub i: u32,
     /// What it touches.
     pub partner: Partner,
     /// Unit normal from the sphere to its partner.
     pub normal: Vec3,
-    /// Depth by which the two overlap (m).
+    /// Depth by which the two overlap (m); negative across a gap that the
+    /// law's cut-off bridges.
     pub overlap: f64,
     /// Distance from the sphere's centre to the partner's, or to the wall's
     /// plane (m).
@@ -42,60 +45,82 @@ impl Contact {
     }
 }
 
+/// The partner of a contact, by places in storage.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Other {
+    Sphere(usize),
+    Wall(WallId),
+}
+
+/// Where a contact is, at the current positions, before any law is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    /// Place of the sphere in storage.
+    pub i: usize,
+    pub other: Other,
+    pub normal: Vec3,
+    pub distance: f64,
+    pub touch: Touch,
+    pub history: &'a [f64],
+}
+
 impl Dem {
-    /// The contacts that touched at the last [`Dem::compute_contacts`], with
-    /// the normal and overlap of the current positions: sphere pairs first,
-    /// then walls.
+    /// The contacts of the last [`Dem::compute_contacts`], with the normal and
+    /// overlap of the current positions: sphere pairs first, then walls.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        self.places().map(|place| self.contact(&place))
+    }
+
+    fn contact(&self, place: &Place<'_>) -> Contact {
+        let force = self.law.force(&place.touch, place.history);
+        Contact {
+            i: self.particles.id[place.i],
+            partner: match place.other {
+                Other::Sphere(j) => Partner::Sphere(self.particles.id[j]),
+                Other::Wall(wall) => Partner::Wall(wall),
+            },
+            normal: place.normal,
+            overlap: place.touch.overlap,
+            distance: place.distance,
+            stiffness: self.law.stiffness(&place.touch).normal,
+            normal_force: force.normal,
+            shear: force.shear,
+        }
+    }
+
+    /// The same contacts by places in storage.
+    pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> + '_ {
         let list = &self.list;
-        let pairs = list.pairs.iter().zip(&list.touch).zip(&list.shear);
-        let spheres = pairs
-            .filter(|((_, touch), _)| **touch)
-            .map(|((&[i, j], _), &shear)| self.sphere_contact(i, j, shear));
-        let pairs = list.wall_pairs.iter().zip(&list.wall_touch).zip(&list.wall_shear);
-        let walls = pairs
-            .filter(|((_, touch), _)| **touch)
-            .map(|((&pair, _), &shear)| self.wall_contact(pair, shear));
+        let length = self.law.history_length();
+        let spheres = (0..list.pairs.len())
+            .filter(|&k| list.touch[k])
+            .map(move |k| self.sphere_place(list.pairs[k], &list.history[k * length..][..length]));
+        let walls = (0..list.wall_pairs.len()).filter(|&k| list.wall_touch[k]).map(move |k| {
+            self.wall_place(list.wall_pairs[k], &list.wall_history[k * length..][..length])
+        });
         spheres.chain(walls)
     }
 
-    fn sphere_contact(&self, i: u32, j: u32, shear: Vec3) -> Contact {
+    fn sphere_place<'a>(&self, pair: [u32; 2], history: &'a [f64]) -> Place<'a> {
         let p = &self.particles;
-        let (a, b) = (i as usize, j as usize);
-        let apart = p.position[b] - p.position[a];
+        let [i, j] = pair.map(|k| k as usize);
+        let apart = p.position[j] - p.position[i];
         let distance = apart.norm();
-        let overlap = p.radius[a] + p.radius[b] - distance;
-        let stiffness = self.law.pair_stiffness(p.radius[a], p.radius[b]);
-        Contact {
-            i,
-            partner: Partner::Sphere(j),
-            normal: apart / distance,
-            overlap,
-            distance,
-            stiffness,
-            normal_force: stiffness * overlap.max(0.0),
-            shear,
-        }
+        let surfaces = Surfaces::Spheres(TwoSpheres(p.radius[i], p.radius[j]));
+        let overlap = p.radius[i] + p.radius[j] - distance;
+        let touch = Touch { surfaces, overlap };
+        Place { i, other: Other::Sphere(j), normal: apart / distance, distance, touch, history }
     }
 
-    fn wall_contact(&self, pair: WallPair, shear: Vec3) -> Contact {
-        let WallPair { i, wall } = pair;
-        let k = i as usize;
-        let plane = self.walls[wall.index()].position;
-        let distance = (self.particles.position[k][wall.axis()] - plane) * wall.inward();
-        let radius = self.particles.radius[k];
-        let stiffness = self.law.wall * radius;
-        let overlap = radius - distance;
-        Contact {
-            i,
-            partner: Partner::Wall(wall),
-            normal: -wall.inward_normal(),
-            overlap,
-            distance,
-            stiffness,
-            normal_force: stiffness * overlap.max(0.0),
-            shear,
-        }
+    fn wall_place<'a>(&self, WallPair { i, wall }: WallPair, history: &'a [f64]) -> Place<'a> {
+        let i = i as usize;
+        let plane = self.walls[wall].position;
+        let distance = (self.particles.position[i][wall.axis()] - plane) * wall.inward();
+        let radius = self.particles.radius[i];
+        let surfaces = Surfaces::Wall(SphereOnPlane(radius));
+        let touch = Touch { surfaces, overlap: radius - distance };
+        let normal = -wall.inward_normal();
+        Place { i, other: Other::Wall(wall), normal, distance, touch, history }
     }
 
     /// Number of contacts between spheres at the last

@@ -44,6 +44,34 @@ pub enum DemError {
         /// The number of particles.
         expected: usize,
     },
+    /// The numbers of the particles are not each of 0, 1, 2, ... once.
+    #[error(
+        "`id` holds {number} twice or beyond the {count} particles; it must hold each number from 0 on once"
+    )]
+    Numbers {
+        /// The number that is wrong.
+        number: u32,
+        /// The number of particles.
+        count: usize,
+    },
+    /// A state of another contact law.
+    #[error("the state is of the contact law `{found}`, not of `{expected}`; give it to that law")]
+    Law {
+        /// The law that the state is of.
+        found: String,
+        /// The law that was to go on from it.
+        expected: &'static str,
+    },
+    /// A state whose histories have another length than the law's.
+    #[error("contact history: {found} numbers for {contacts} contacts of {length} each")]
+    History {
+        /// Numbers found.
+        found: usize,
+        /// Contacts in the state.
+        contacts: usize,
+        /// Numbers that the law remembers per contact.
+        length: usize,
+    },
     /// The centre of a particle lies beyond a wall.
     #[error("particle {particle}: its centre lies beyond the wall {wall}")]
     OutsideBox {

@@ -1,21 +1,35 @@
 //! Leapfrog with local damping.
 
+use super::damping::LocalDamping;
 use super::error::DemError;
+use super::external::ExternalLoads;
 use super::particles::Particles;
 use crate::Vec3;
 use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 
 /// What moves the spheres in a step.
 #[derive(Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct Step {
     /// Time step (s).
     pub dt: f64,
-    /// Local damping λ.
-    pub damping: f64,
+    /// Local damping.
+    pub damping: LocalDamping,
     /// Gravity (m/s²).
     pub gravity: Vec3,
     /// Whether spins change.
     pub rotation: bool,
+}
+
+/// What acts on the spheres in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Loads<'a> {
+    /// Force and torque of the contacts (N, N m).
+    pub force: &'a [Vec3],
+    pub torque: &'a [Vec3],
+    /// Force of the fluid (N), if there is one.
+    pub fluid: Option<&'a [Vec3]>,
+    /// What a user adds, if anything.
+    pub external: Option<&'a ExternalLoads>,
 }
 
 /// What a step found.
@@ -28,18 +42,17 @@ struct Found {
     finite: bool,
 }
 
-/// Advances the spheres by one time step under the contact forces and, where
-/// given, the fluid's: a = f/m (+ g), v += a Δt, x += v Δt, and the same for
-/// spins. Returns the farthest way that a sphere went (m).
+/// Advances the spheres by one time step: a = f/m (+ g), v += a Δt,
+/// x += v Δt, and the same for spins. Returns the farthest way that a sphere
+/// went (m).
 ///
 /// # Errors
 /// [`DemError::NotFinite`] names the first particle that is not finite.
 pub(super) fn advance(
     particles: &mut Particles,
     centre: &mut [[f64; 4]],
-    [force, torque]: [&[Vec3]; 2],
-    fluid: Option<&[Vec3]>,
-    motion: Motion,
+    loads: Loads<'_>,
+    step: Step,
 ) -> Result<f64, DemError> {
     let span = MoveSpan {
         position: &mut particles.position,
@@ -47,20 +60,23 @@ pub(super) fn advance(
         spin: &mut particles.spin,
         centre,
         mass: &particles.mass,
-        force,
-        torque,
-        fluid: fluid.unwrap_or(&[]),
+        force: loads.force,
+        torque: loads.torque,
+        fluid: loads.fluid.unwrap_or(&[]),
+        external_force: loads.external.map_or(&[], |e| &e.force),
+        external_torque: loads.external.map_or(&[], |e| &e.torque),
     };
+    let external = loads.external.is_some();
     let arch = pulp::Arch::new();
-    let work = |span: MoveSpan<'_>| arch.dispatch(Advance { span, motion: &motion });
+    let work = |span: MoveSpan<'_>| arch.dispatch(Advance { span, step: &step, external });
     let found = for_blocks(span, &work, &|a: Found, b: Found| Found {
         fastest2: a.fastest2.max(b.fastest2),
         finite: a.finite & b.finite,
     });
     if found.finite {
-        Ok(motion.dt * f64::from_bits(found.fastest2).sqrt())
+        Ok(step.dt * f64::from_bits(found.fastest2).sqrt())
     } else {
-        Err(first_not_finite(particles, [force, torque], fluid))
+        Err(first_not_finite(particles, loads))
     }
 }
 
@@ -75,6 +91,9 @@ struct MoveSpan<'a> {
     torque: &'a [Vec3],
     /// Empty without fluid.
     fluid: &'a [Vec3],
+    /// Empty without external loads.
+    external_force: &'a [Vec3],
+    external_torque: &'a [Vec3],
 }
 
 impl Span for MoveSpan<'_> {
@@ -92,6 +111,8 @@ impl Span for MoveSpan<'_> {
         let force = cut(self.force, n);
         let torque = cut(self.torque, n);
         let fluid = cut(self.fluid, n);
+        let external_force = cut(self.external_force, n);
+        let external_torque = cut(self.external_torque, n);
         (
             MoveSpan {
                 position: position.0,
@@ -102,6 +123,8 @@ impl Span for MoveSpan<'_> {
                 force: force.0,
                 torque: torque.0,
                 fluid: fluid.0,
+                external_force: external_force.0,
+                external_torque: external_torque.0,
             },
             MoveSpan {
                 position: position.1,
@@ -112,6 +135,8 @@ impl Span for MoveSpan<'_> {
                 force: force.1,
                 torque: torque.1,
                 fluid: fluid.1,
+                external_force: external_force.1,
+                external_torque: external_torque.1,
             },
         )
     }
@@ -121,7 +146,8 @@ impl Span for MoveSpan<'_> {
 /// vector units; the bits are the same.
 struct Advance<'a> {
     span: MoveSpan<'a>,
-    motion: &'a Motion,
+    step: &'a Step,
+    external: bool,
 }
 
 impl pulp::NullaryFnOnce for Advance<'_> {
@@ -129,27 +155,31 @@ impl pulp::NullaryFnOnce for Advance<'_> {
 
     #[inline(always)]
     fn call(self) -> Found {
-        if self.motion.rotation {
-            self.span.advance::<true>(self.motion)
-        } else {
-            self.span.advance::<false>(self.motion)
+        match (self.step.rotation, self.external) {
+            (true, false) => self.span.advance::<true, false>(self.step),
+            (false, false) => self.span.advance::<false, false>(self.step),
+            (true, true) => self.span.advance::<true, true>(self.step),
+            (false, true) => self.span.advance::<false, true>(self.step),
         }
     }
 }
 
 impl MoveSpan<'_> {
     #[inline(always)]
-    fn advance<const ROTATION: bool>(self, motion: &Motion) -> Found {
-        let dt = motion.dt;
+    fn advance<const ROTATION: bool, const EXTERNAL: bool>(self, step: &Step) -> Found {
+        let dt = step.dt;
         let mut found = Found { fastest2: 0, finite: true };
         for k in 0..self.position.len() {
             let mut force = self.force[k];
             if let Some(fluid) = self.fluid.get(k) {
                 force += fluid;
             }
+            if EXTERNAL {
+                force += self.external_force[k];
+            }
             let inverse_mass = 1.0 / self.mass[k];
-            let mut a = inverse_mass * force + motion.gravity;
-            damp(&mut a, &self.velocity[k], motion);
+            let mut a = inverse_mass * force + step.gravity;
+            step.damping.damp(&mut a, &self.velocity[k], dt);
             let v = self.velocity[k] + dt * a;
             let [x, y, z, radius] = self.centre[k];
             let x = Vec3::new(x, y, z) + dt * v;
@@ -160,9 +190,13 @@ impl MoveSpan<'_> {
             found.fastest2 = found.fastest2.max(speed2.to_bits());
             let mut sum = speed2 + x.norm_squared();
             if ROTATION {
+                let mut torque = self.torque[k];
+                if EXTERNAL {
+                    torque += self.external_torque[k];
+                }
                 // I = 2/5 m r²
-                let mut a = (2.5 * inverse_mass / (radius * radius)) * self.torque[k];
-                damp(&mut a, &self.spin[k], motion);
+                let mut a = (2.5 * inverse_mass / (radius * radius)) * torque;
+                step.damping.damp(&mut a, &self.spin[k], dt);
                 let spin = self.spin[k] + dt * a;
                 self.spin[k] = spin;
                 sum += spin.norm_squared();
@@ -173,31 +207,18 @@ impl MoveSpan<'_> {
     }
 }
 
-/// Local damping: each component of the acceleration times
-/// 1 − λ sign(a (v + a Δt/2)). Signs are as good as random in a packing, so
-/// there is no branch to predict here.
-#[inline(always)]
-fn damp(a: &mut Vec3, v: &Vec3, motion: &Motion) {
-    for k in 0..3 {
-        let power = a[k] * (v[k] + 0.5 * motion.dt * a[k]);
-        let sign = if power == 0.0 { 0.0 } else { 1f64.copysign(power) };
-        a[k] *= 1.0 - motion.damping * sign;
-    }
-}
-
 /// Names the first particle with something that is not finite.
-fn first_not_finite(
-    particles: &Particles,
-    [force, torque]: [&[Vec3]; 2],
-    fluid: Option<&[Vec3]>,
-) -> DemError {
-    let fluid = fluid.unwrap_or(&[]);
+fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemError {
+    let fluid = loads.fluid.unwrap_or(&[]);
+    let external = |of: fn(&ExternalLoads) -> &[Vec3]| loads.external.map_or(&[][..], of);
     let bad = |v: Option<&Vec3>| v.is_some_and(|v| !v.iter().all(|c| c.is_finite()));
     for (i, &particle) in particles.id.iter().enumerate() {
         for (quantity, values) in [
             ("the fluid force", fluid),
-            ("the contact force", force),
-            ("the contact torque", torque),
+            ("the external force", external(|e| &e.force)),
+            ("the external torque", external(|e| &e.torque)),
+            ("the contact force", loads.force),
+            ("the contact torque", loads.torque),
             ("the velocity", &particles.velocity),
             ("the position", &particles.position),
             ("the spin", &particles.spin),

@@ -30,21 +30,6 @@ pub struct WallMaterial {
     pub friction_angle: f64,
 }
 
-/// The constants that the contact laws use.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Law {
-    /// k_n = `pair` r₁ r₂ / (r₁ + r₂) between spheres.
-    pub pair: f64,
-    /// k_n = `wall` r of a sphere on a wall.
-    pub wall: f64,
-    /// k_s / k_n.
-    pub ratio: f64,
-    /// Friction coefficient between spheres.
-    pub friction: f64,
-    /// Friction coefficient of a sphere on a wall.
-    pub wall_friction: f64,
-}
-
 impl Material {
     /// Checks that the values are physical.
     pub(super) fn check(&self) -> Result<(), DemError> {
@@ -59,17 +44,6 @@ impl Material {
         }
         check_friction(self.friction_angle)
     }
-
-    /// The constants of the contact laws.
-    pub(super) fn law(&self, wall: &WallMaterial) -> Law {
-        Law {
-            pair: 2.0 * self.young,
-            wall: 2.0 * self.young * wall.young / (self.young + wall.young),
-            ratio: self.stiffness_ratio,
-            friction: self.friction_angle.tan(),
-            wall_friction: self.friction_angle.min(wall.friction_angle).tan(),
-        }
-    }
 }
 
 impl WallMaterial {
@@ -77,19 +51,6 @@ impl WallMaterial {
     pub(super) fn check(&self) -> Result<(), DemError> {
         positive("wall young", self.young)?;
         check_friction(self.friction_angle)
-    }
-}
-
-impl Law {
-    /// Whether any contact has shear forces.
-    pub fn has_friction(&self) -> bool {
-        self.friction > 0.0 || self.wall_friction > 0.0
-    }
-
-    /// Normal stiffness between two spheres (N/m).
-    #[inline]
-    pub fn pair_stiffness(&self, r1: f64, r2: f64) -> f64 {
-        self.pair * r1 * r2 / (r1 + r2)
     }
 }
 

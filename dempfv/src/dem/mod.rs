@@ -1,7 +1,8 @@
 //! Discrete elements: spheres, walls, contacts, integration.
 //!
-//! A [`Dem`] holds linear elastic-frictional spheres in a box of six walls
-//! and advances them with an explicit leapfrog scheme:
+//! A [`Dem`] holds spheres in a box of six walls and advances them with an
+//! explicit leapfrog scheme. Their contacts are linear elastic-frictional
+//! unless another [`law`] is given:
 //!
 //! ```
 //! use dempfv::dem::{Dem, DemOptions, Material, Particles, WallMaterial};
@@ -17,9 +18,13 @@
 //! let unit = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
 //! let mut dem = Dem::new(spheres, unit, material, walls, DemOptions::default())?;
 //! dem.step(1e-5)?;
-//! assert_eq!(dem.particles().len(), 2);
+//! assert_eq!(dem.velocity(0).x, -dem.velocity(1).x);
 //! # Ok::<(), dempfv::dem::DemError>(())
 //! ```
+//!
+//! Spheres have the numbers that they had in the list given, although they
+//! are stored in an order in space: whatever is in that order has `storage` in
+//! its name.
 //!
 //! A step is [`Dem::compute_contacts`] (forces at the current positions)
 //! followed by [`Dem::integrate`] (positions one time step further). Results
@@ -27,25 +32,32 @@
 //! number of particles accumulate their own contacts in a fixed order and the
 //! forces across blocks are gathered per particle in a fixed order.
 
-mod batch;
+mod by_number;
 mod cloud;
+mod compiled;
 mod contact_forces;
 mod contacts;
+mod damping;
 mod error;
+mod external;
 mod grid;
 mod growth;
 mod hilbert;
 mod integrate;
-mod kernel;
+pub mod law;
 mod material;
 mod neighbours;
 mod observe;
-mod pairs;
+mod parameters;
 mod particles;
 mod pass;
+mod pass_input;
 mod rng;
+mod sphere_pairs;
 mod state;
 mod system;
+mod time_step;
+mod wall_pairs;
 mod walls;
 
 pub(crate) use contact_forces::ContactForces;
@@ -56,6 +68,6 @@ pub use error::DemError;
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
 pub use material::{Material, WallMaterial};
 pub use particles::Particles;
-pub use state::{DemState, SphereHistory, WallHistory};
+pub use state::{ContactHistory, DemState};
 pub use system::{Dem, DemOptions};
 pub use walls::{Wall, WallControl};

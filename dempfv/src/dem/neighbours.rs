@@ -1,10 +1,11 @@
-//! The neighbour list: which spheres and walls may touch, and the shear
-//! history of those that do.
+//! The neighbour list: which spheres and walls may touch, and the history of
+//! those that do.
 //!
-//! The list holds every pair nearer than a skin. It stays complete until
+//! The list holds every pair whose gap is less than the law's cut-off and a
+//! skin. It stays complete until
 //! something has moved by half the skin. The pairs of a block of particles
 //! come first those inside the block, then those with a later block, each
-//! sorted by first and second sphere. Pairs that do not touch contribute
+//! sorted by first and second sphere. Pairs beyond the cut-off contribute
 //! nothing, so results do not depend on when the list was built.
 
 use rayon::prelude::*;
@@ -12,10 +13,10 @@ use rayon::prelude::*;
 use super::error::DemError;
 use super::grid::Grid;
 use super::particles::Particles;
-use super::state::{DemState, SphereHistory, WallHistory};
+use super::state::{ContactHistory, DemState};
 use super::walls::{Wall, box_of};
 use crate::parallel::{BLOCK, block_count};
-use crate::{Vec3, WallId};
+use crate::{PerWall, WallId};
 
 /// Share of the skin that must be left for a list to be kept: with less, the
 /// particles would be looked at in nearly every step.
@@ -45,18 +46,21 @@ pub(super) struct WallPair {
 /// by [`Neighbours::sphere_history`] and [`Neighbours::wall_history`].
 #[derive(Default)]
 pub(super) struct Neighbours {
+    /// Numbers per contact in the histories.
+    length: usize,
     /// Spheres that may touch, the smaller index first.
     pub pairs: Vec<[u32; 2]>,
-    /// Which of the pairs touched when the contacts were last computed.
+    /// Which of the pairs were within the law's reach when the contacts were
+    /// last computed.
     pub touch: Vec<bool>,
-    /// Shear force on the second sphere of each pair (N); zero without touch.
-    pub shear: Vec<Vec3>,
+    /// What each pair remembers; zero out of reach.
+    pub history: Vec<f64>,
     /// Spheres that may touch a wall, sorted.
     pub wall_pairs: Vec<WallPair>,
-    /// Which of them touched.
+    /// Which of them were within reach.
     pub wall_touch: Vec<bool>,
-    /// Shear force on the wall (N); zero without touch.
-    pub wall_shear: Vec<Vec3>,
+    /// What each of them remembers; zero out of reach.
+    pub wall_history: Vec<f64>,
     /// Where each block's entries start, and one more entry for the end.
     pub bounds: Vec<Bounds>,
     /// Where each particle's entries in `incoming` start, and the end.
@@ -66,7 +70,7 @@ pub(super) struct Neighbours {
     /// Centre and radius of each particle when the list was built.
     reference: Vec<[f64; 4]>,
     /// Positions of the walls when the list was built.
-    wall_reference: [f64; 6],
+    wall_reference: PerWall<f64>,
     /// Half the skin (m): how far a particle or a wall may move.
     slack: f64,
     /// How far any particle may go before one must look again (m).
@@ -81,13 +85,27 @@ struct Part {
     inner: Vec<[u32; 2]>,
     outer: Vec<[u32; 2]>,
     walls: Vec<WallPair>,
-    /// Shear carried over: place within inner, then outer; and the force.
-    shear: Vec<(usize, Vec3)>,
-    wall_shear: Vec<(usize, Vec3)>,
+    /// Histories carried over, places counted through inner, then outer.
+    kept: Kept,
+    wall_kept: Kept,
     coincident: Option<[u32; 2]>,
 }
 
+/// Histories that some of the entries of a block take over.
+#[derive(Default)]
+struct Kept {
+    /// Place of each entry.
+    place: Vec<usize>,
+    /// Their histories, one after the other.
+    history: Vec<f64>,
+}
+
 impl Neighbours {
+    /// An empty list, with so many numbers of history per contact.
+    pub fn new(length: usize) -> Neighbours {
+        Neighbours { length, ..Neighbours::default() }
+    }
+
     /// Takes note that no particle has gone farther than `way` (m).
     pub fn moved(&mut self, way: f64) {
         self.budget -= way;
@@ -100,9 +118,9 @@ impl Neighbours {
 
     /// True when walls or particles have used up the skin, or nearly. Looks
     /// at the particles only where the ways noted could have used it up.
-    pub fn outdated(&mut self, centre: &[[f64; 4]], walls: &[Wall; 6]) -> bool {
+    pub fn outdated(&mut self, centre: &[[f64; 4]], walls: &PerWall<Wall>) -> bool {
         let moved = |(w, r): (&Wall, &f64)| (w.position - r).abs() > self.slack;
-        if walls.iter().zip(&self.wall_reference).any(moved) {
+        if walls.values().zip(self.wall_reference.values()).any(moved) {
             return true;
         }
         if self.budget > 0.0 {
@@ -117,7 +135,8 @@ impl Neighbours {
         left < LEAST_LEFT * self.slack
     }
 
-    /// Builds the list anew, keeping the history.
+    /// Builds the list anew, keeping the history. `cut_off` is the law's (m),
+    /// `skin` a share of the mean radius.
     ///
     /// # Errors
     /// [`DemError::OutsideBox`] or [`DemError::Coincident`]; the list is then
@@ -125,7 +144,8 @@ impl Neighbours {
     pub fn build(
         &mut self,
         particles: &Particles,
-        walls: &[Wall; 6],
+        walls: &PerWall<Wall>,
+        cut_off: f64,
         skin: f64,
     ) -> Result<(), DemError> {
         let n = particles.len();
@@ -133,12 +153,13 @@ impl Neighbours {
         let (sum, largest) =
             particles.radius.iter().fold((0.0, 0.0f64), |(s, m), &r| (s + r, m.max(r)));
         let skin = skin * sum / n.max(1) as f64;
-        self.grid.fill(&particles.position, &box_of(walls), 2.0 * largest + skin);
+        let margin = skin + cut_off;
+        self.grid.fill(&particles.position, &box_of(walls), 2.0 * largest + margin);
 
         let mut parts = std::mem::take(&mut self.parts);
         parts.resize_with(block_count(n), Part::default);
         parts.par_iter_mut().enumerate().for_each(|(block, part)| {
-            part.find(block, particles, walls, &self.grid, skin);
+            part.find(block, particles, walls, &self.grid, margin);
             part.carry(block, self);
         });
         let coincident = parts.iter().find_map(|p| p.coincident);
@@ -165,7 +186,7 @@ impl Neighbours {
         for list in [&mut self.touch, &mut self.wall_touch] {
             list.clear();
         }
-        for list in [&mut self.shear, &mut self.wall_shear] {
+        for list in [&mut self.history, &mut self.wall_history] {
             list.clear();
         }
         self.pairs.clear();
@@ -188,18 +209,13 @@ impl Neighbours {
         let (pairs, wall) = (self.pairs.len(), self.wall_pairs.len());
         self.bounds.push(Bounds { inner: pairs, outer: pairs, sent, wall });
         self.touch.resize(pairs, false);
-        self.shear.resize(pairs, Vec3::zeros());
+        self.history.resize(pairs * self.length, 0.0);
         self.wall_touch.resize(wall, false);
-        self.wall_shear.resize(wall, Vec3::zeros());
+        self.wall_history.resize(wall * self.length, 0.0);
         for (part, at) in self.parts.iter().zip(&self.bounds) {
-            for &(k, shear) in &part.shear {
-                self.touch[at.inner + k] = true;
-                self.shear[at.inner + k] = shear;
-            }
-            for &(k, shear) in &part.wall_shear {
-                self.wall_touch[at.wall + k] = true;
-                self.wall_shear[at.wall + k] = shear;
-            }
+            part.kept.put_back(at.inner, &mut self.touch, &mut self.history, self.length);
+            let (touch, history) = (&mut self.wall_touch, &mut self.wall_history);
+            part.wall_kept.put_back(at.wall, touch, history, self.length);
         }
     }
 
@@ -228,74 +244,110 @@ impl Neighbours {
         starts[0] = 0;
     }
 
-    /// The history of all sphere contacts, for a checkpoint.
-    pub fn sphere_history(&self) -> Vec<SphereHistory> {
-        let entries = self.pairs.iter().zip(&self.touch).zip(&self.shear);
-        entries
-            .filter(|((_, touch), _)| **touch)
-            .map(|((&[i, j], _), &shear)| SphereHistory { i, j, shear })
-            .collect()
+    /// The histories of all contacts of spheres, for a checkpoint.
+    pub fn sphere_history(&self) -> ContactHistory<[u32; 2]> {
+        history_of(&self.pairs, &self.touch, &self.history, self.length)
     }
 
-    /// The history of all wall contacts, for a checkpoint.
-    pub fn wall_history(&self) -> Vec<WallHistory> {
-        let entries = self.wall_pairs.iter().zip(&self.wall_touch).zip(&self.wall_shear);
-        entries
-            .filter(|((_, touch), _)| **touch)
-            .map(|((pair, _), &shear)| WallHistory { i: pair.i, wall: pair.wall, shear })
-            .collect()
+    /// The histories of all contacts with walls, for a checkpoint.
+    pub fn wall_history(&self) -> ContactHistory<(u32, WallId)> {
+        let all = history_of(&self.wall_pairs, &self.wall_touch, &self.wall_history, self.length);
+        let bodies = all.bodies.iter().map(|p| (p.i, p.wall)).collect();
+        ContactHistory { bodies, numbers: all.numbers }
     }
 
     /// Takes up the history of a checkpoint; [`Neighbours::build`] then keeps
     /// it.
     ///
     /// # Errors
-    /// [`DemError::Length`] for an entry that names no particle.
+    /// [`DemError::Length`] for an entry that names no particle, or a history
+    /// of another length.
     pub fn load(&mut self, state: &DemState) -> Result<(), DemError> {
         let n = state.particles.len();
-        let blocks = block_count(n);
+        state.sphere_history.check(self.length)?;
+        state.wall_history.check(self.length)?;
         self.parts.clear();
-        self.parts.resize_with(blocks, Part::default);
-        let mut spheres: Vec<&SphereHistory> = state.sphere_history.iter().collect();
-        spheres.sort_by_key(|h| (h.i, h.j));
-        let mut walls: Vec<&WallHistory> = state.wall_history.iter().collect();
-        walls.sort_by_key(|h| (h.i, h.wall));
+        self.parts.resize_with(block_count(n), Part::default);
+        let spheres = state.sphere_history.sorted(self.length);
         let bad = |found: u32| DemError::Length {
             what: "contact history (index of a sphere)",
             found: found as usize,
             expected: n,
         };
         for outer in [false, true] {
-            for h in &spheres {
-                if h.i >= h.j || h.j as usize >= n {
-                    return Err(bad(h.j));
+            for &([i, j], history) in &spheres {
+                if i >= j || j as usize >= n {
+                    return Err(bad(j));
                 }
-                let block = h.i as usize / BLOCK;
-                if (h.j as usize / BLOCK != block) != outer {
+                let block = i as usize / BLOCK;
+                if (j as usize / BLOCK != block) != outer {
                     continue;
                 }
                 let part = &mut self.parts[block];
-                part.shear.push((part.inner.len() + part.outer.len(), h.shear));
+                part.kept.push(part.inner.len() + part.outer.len(), history);
                 let list = if outer { &mut part.outer } else { &mut part.inner };
-                list.push([h.i, h.j]);
+                list.push([i, j]);
             }
         }
-        for h in walls {
-            if h.i as usize >= n {
-                return Err(bad(h.i));
+        for ((i, wall), history) in state.wall_history.sorted(self.length) {
+            if i as usize >= n {
+                return Err(bad(i));
             }
-            let part = &mut self.parts[h.i as usize / BLOCK];
-            part.wall_shear.push((part.walls.len(), h.shear));
-            part.walls.push(WallPair { i: h.i, wall: h.wall });
+            let part = &mut self.parts[i as usize / BLOCK];
+            part.wall_kept.push(part.walls.len(), history);
+            part.walls.push(WallPair { i, wall });
         }
         self.join_parts();
         Ok(())
     }
 }
 
+/// The entries within reach, and their histories.
+fn history_of<T: Copy>(
+    entries: &[T],
+    touch: &[bool],
+    history: &[f64],
+    length: usize,
+) -> ContactHistory<T> {
+    let within = || (0..entries.len()).filter(|&k| touch[k]);
+    ContactHistory {
+        bodies: within().map(|k| entries[k]).collect(),
+        numbers: within().flat_map(|k| &history[k * length..][..length]).copied().collect(),
+    }
+}
+
+impl Kept {
+    fn clear(&mut self) {
+        self.place.clear();
+        self.history.clear();
+    }
+
+    fn push(&mut self, place: usize, history: &[f64]) {
+        self.place.push(place);
+        self.history.extend_from_slice(history);
+    }
+
+    /// Writes the histories to the entries from `start` on.
+    fn put_back(&self, start: usize, touch: &mut [bool], history: &mut [f64], length: usize) {
+        for (k, place) in self.place.iter().enumerate() {
+            let to = start + place;
+            touch[to] = true;
+            history[to * length..][..length].copy_from_slice(&self.history[k * length..][..length]);
+        }
+    }
+}
+
 impl Part {
-    /// Finds the pairs of the block's particles.
-    fn find(&mut self, block: usize, p: &Particles, walls: &[Wall; 6], grid: &Grid, skin: f64) {
+    /// Finds the pairs of the block's particles whose gap is less than
+    /// `margin` (m).
+    fn find(
+        &mut self,
+        block: usize,
+        p: &Particles,
+        walls: &PerWall<Wall>,
+        grid: &Grid,
+        margin: f64,
+    ) {
         let end = ((block + 1) * BLOCK).min(p.len());
         self.inner.clear();
         self.outer.clear();
@@ -310,7 +362,7 @@ impl Part {
                     return;
                 }
                 let d2 = (p.position[k] - x).norm_squared();
-                let reach = r + p.radius[k] + skin;
+                let reach = r + p.radius[k] + margin;
                 if d2 < reach * reach {
                     let list = if k < end { &mut self.inner } else { &mut self.outer };
                     list.push([i as u32, j]);
@@ -322,8 +374,8 @@ impl Part {
             self.inner[inner..].sort_unstable();
             self.outer[outer..].sort_unstable();
             for wall in WallId::ALL {
-                let distance = (x[wall.axis()] - walls[wall.index()].position) * wall.inward();
-                if distance < r + skin {
+                let distance = (x[wall.axis()] - walls[wall].position) * wall.inward();
+                if distance < r + margin {
                     self.walls.push(WallPair { i: i as u32, wall });
                 }
             }
@@ -332,25 +384,29 @@ impl Part {
 
     /// Carries the history of the block over from the old list.
     fn carry(&mut self, block: usize, old: &Neighbours) {
-        self.shear.clear();
-        self.wall_shear.clear();
+        self.kept.clear();
+        self.wall_kept.clear();
         let (Some(from), Some(to)) = (old.bounds.get(block), old.bounds.get(block + 1)) else {
             return;
         };
+        let length = old.length;
         let split = self.inner.len();
-        let out = &mut self.shear;
+        let kept = &mut self.kept;
         for (range, new, offset) in
             [(from.inner..from.outer, &self.inner, 0), (from.outer..to.inner, &self.outer, split)]
         {
             let of = &old.pairs[range.clone()];
             merge(of, &old.touch[range.clone()], new, |a, b| {
-                out.push((offset + b, old.shear[range.start + a]));
+                let history = &old.history[(range.start + a) * length..][..length];
+                kept.push(offset + b, history);
             });
         }
         let range = from.wall..to.wall;
         let of = &old.wall_pairs[range.clone()];
+        let kept = &mut self.wall_kept;
         merge(of, &old.wall_touch[range.clone()], &self.walls, |a, b| {
-            self.wall_shear.push((b, old.wall_shear[range.start + a]));
+            let history = &old.wall_history[(range.start + a) * length..][..length];
+            kept.push(b, history);
         });
     }
 }
@@ -370,7 +426,7 @@ fn merge<T: Ord>(old: &[T], touched: &[bool], new: &[T], mut found: impl FnMut(u
 }
 
 /// Refuses a centre beyond a wall.
-fn check_inside(particles: &Particles, walls: &[Wall; 6]) -> Result<(), DemError> {
+fn check_inside(particles: &Particles, walls: &PerWall<Wall>) -> Result<(), DemError> {
     let box_ = box_of(walls);
     super::walls::check_box(&box_)?;
     for (x, &particle) in particles.position.iter().zip(&particles.id) {

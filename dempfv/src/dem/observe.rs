@@ -1,7 +1,5 @@
-//! What can be measured: energy, momentum, stress, contact numbers, and the
-//! largest stable time step.
+//! What can be measured: energy, momentum, stress, contact numbers.
 
-use super::contacts::{Contact, Partner};
 use super::system::Dem;
 use crate::{Vec3, WallId};
 
@@ -22,16 +20,24 @@ impl Dem {
             .sum()
     }
 
-    /// Elastic energy of all contacts (J): F_n² / 2k_n + F_s² / 2k_s.
-    pub fn elastic_energy(&self) -> f64 {
-        self.contacts()
-            .map(|c| {
-                let shear = c.shear.norm_squared();
-                let tangential =
-                    if shear > 0.0 { shear / (self.law.ratio * c.stiffness) } else { 0.0 };
-                0.5 * (c.normal_force.powi(2) / c.stiffness + tangential)
-            })
+    /// Kinetic energy of translation (J), likewise: ½ m v².
+    pub fn translational_energy(&self) -> f64 {
+        let p = &self.particles;
+        p.mass.iter().zip(&p.velocity).map(|(m, v)| 0.5 * (m * v.norm_squared())).sum()
+    }
+
+    /// Kinetic energy of rotation (J), likewise: ½ I ω² with I = 2/5 m r².
+    pub fn rotational_energy(&self) -> f64 {
+        let p = &self.particles;
+        (p.mass.iter().zip(&p.radius).zip(&p.spin))
+            .map(|((m, r), w)| 0.5 * (0.4 * m * r.powi(2) * w.norm_squared()))
             .sum()
+    }
+
+    /// Elastic energy of all contacts (J), by the contact law; of the linear
+    /// one F_n² / 2k_n + F_s² / 2k_s.
+    pub fn elastic_energy(&self) -> f64 {
+        self.places().map(|c| self.law.elastic_energy(&c.touch, c.history)).sum()
     }
 
     /// Momentum of the spheres (kg m/s).
@@ -53,7 +59,8 @@ impl Dem {
 
     /// Mean force left on a sphere over mean contact force: how far the
     /// packing is from rest. Counts gravity and, where given, the fluid's
-    /// force on each sphere (N). Zero without contacts.
+    /// force on each sphere (N), in storage order; not what
+    /// [`Dem::add_force`] adds. Zero without contacts.
     pub fn unbalanced_force(&self, fluid_force: Option<&[Vec3]>) -> f64 {
         let (sum, count) =
             self.contacts().fold((0.0, 0usize), |(s, n), c| (s + c.force().norm(), n + 1));
@@ -62,7 +69,7 @@ impl Dem {
         }
         let gravity = self.options.gravity.unwrap_or_default();
         let fluid = fluid_force.unwrap_or(&[]);
-        let forces = self.forces().iter().zip(&self.particles.mass).enumerate();
+        let forces = self.storage_forces().iter().zip(&self.particles.mass).enumerate();
         let left: f64 = forces
             .map(|(i, (f, &m))| {
                 (f + m * gravity + fluid.get(i).copied().unwrap_or_default()).norm()
@@ -74,7 +81,7 @@ impl Dem {
     /// Stress of the contacts on a wall (Pa, positive in compression), from
     /// the last [`Dem::compute_contacts`].
     pub fn wall_stress(&self, wall: WallId) -> f64 {
-        let force = self.wall_sums[wall.index()].force[wall.axis()];
+        let force = self.wall_sums[wall].force[wall.axis()];
         -wall.inward() * force / self.box_().wall_area(wall)
     }
 
@@ -90,61 +97,5 @@ impl Dem {
         let sum: Tensor =
             self.contacts().map(|c| c.force() * (c.distance * c.normal).transpose()).sum();
         sum / self.box_().volume()
-    }
-
-    /// The largest time step (s) at which the contacts are stable, times
-    /// `safety`: √2 min over spheres and axes of √(m/k) and √(I/k_r), with k
-    /// the sum over the sphere's contacts of the diagonal of
-    /// k_s 1 + (k_n − k_s) n⊗n, and k_r that of k_s r² (1 − n⊗n). `None`
-    /// without contacts. One pass over the contacts; allocates in the first
-    /// call only.
-    pub fn contact_time_step(&mut self, safety: f64) -> Option<f64> {
-        let mut sums = std::mem::take(&mut self.stiffness);
-        sums.resize(self.particles.len(), [Vec3::zeros(); 2]);
-        sums.fill([Vec3::zeros(); 2]);
-        for c in self.contacts() {
-            self.add_stiffness(&mut sums[c.i as usize], &c);
-            if let Partner::Sphere(j) = c.partner {
-                self.add_stiffness(&mut sums[j as usize], &c);
-            }
-        }
-        let p = &self.particles;
-        // Largest k/m over spheres and axes.
-        let mut fastest = 0.0f64;
-        for (i, [k, k_r]) in sums.iter().enumerate() {
-            fastest = fastest.max(k.max() / p.mass[i]);
-            if self.options.rotation {
-                // I = 2/5 m r², and both k_r and I have the factor r².
-                fastest = fastest.max(k_r.max() / (0.4 * p.mass[i]));
-            }
-        }
-        self.stiffness = sums;
-        (fastest > 0.0).then(|| safety * (2.0 / fastest).sqrt())
-    }
-
-    /// The time step (s) that holds until contacts form anew, times `safety`:
-    /// [`Dem::contact_time_step`], or that of the lightest sphere with a
-    /// single contact where it is less: a sphere that touches nothing may
-    /// touch something before the next look.
-    pub fn safe_time_step(&mut self, safety: f64) -> f64 {
-        let p = self.particles();
-        let frequency2 = (p.radius.iter().zip(&p.mass))
-            .map(|(&r, m)| self.law.pair_stiffness(r, r) / m)
-            .fold(0.0, f64::max);
-        let lone = safety * (2.0 / frequency2).sqrt();
-        self.contact_time_step(safety).map_or(lone, |dt| dt.min(lone))
-    }
-
-    /// Adds a contact's share to the sums of one of its spheres: the diagonal
-    /// of the stiffness, and that of the rotational stiffness over r².
-    fn add_stiffness(&self, [k, k_r]: &mut [Vec3; 2], c: &Contact) {
-        let sliding = match c.partner {
-            Partner::Sphere(_) => self.law.friction > 0.0,
-            Partner::Wall(_) => self.law.wall_friction > 0.0,
-        };
-        let k_s = if sliding { self.law.ratio * c.stiffness } else { 0.0 };
-        let n2 = c.normal.component_mul(&c.normal);
-        *k += (c.stiffness - k_s) * n2 + Vec3::repeat(k_s);
-        *k_r += k_s * (Vec3::repeat(1.0) - n2);
     }
 }

@@ -7,6 +7,10 @@ use super::hilbert::spatial_order;
 use crate::Vec3;
 
 /// The spheres: one entry per sphere in every array.
+///
+/// What a user gives to [`Dem::new`](super::Dem::new) is in the user's order;
+/// a [`Dem`](super::Dem) stores the spheres in an order of its own, in space,
+/// and keeps the user's number of each in `id`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Particles {
     /// The user's number of each sphere (its place in the user's list).
@@ -80,6 +84,13 @@ impl Particles {
         ] {
             if found != expected {
                 return Err(DemError::Length { what, found, expected });
+            }
+        }
+        let mut seen = vec![false; expected];
+        for &number in &self.id {
+            match seen.get_mut(number as usize) {
+                Some(seen) if !*seen => *seen = true,
+                _ => return Err(DemError::Numbers { number, count: expected }),
             }
         }
         for i in 0..expected {

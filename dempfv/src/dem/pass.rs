@@ -1,33 +1,17 @@
 //! Contact forces: one pass over the blocks evaluates each contact once and
 //! sums up within the block; a second one gathers what crosses blocks.
 
-use super::batch::Batch;
-use super::kernel::{Sliding, V, add_scaled, cross, dot, scaled, shear_force};
-use super::material::Law;
+use super::law::{Batch, ContactLaw, History, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
-use super::pairs::Pairs;
-use super::walls::Wall;
+use super::parameters::ParameterTable;
+use super::pass_input::Input;
+use super::sphere_pairs::{SpherePairRange, Wrench};
+use super::wall_pairs::{WallPairRange, WallSum};
 use crate::parallel::{BLOCK, Span, cut_mut, for_blocks};
-use crate::{Vec3, WallId};
-
-/// Force and torque on the second sphere of a pair that crosses blocks.
-pub(super) type Wrench = [f64; 6];
-
-/// Sums over the contacts on a wall.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WallSum {
-    /// Force on the wall (N).
-    pub force: Vec3,
-    /// Normal stiffness (N/m).
-    pub stiffness: f64,
-}
-
-impl WallSum {
-    pub const ZERO: WallSum = WallSum { force: Vec3::new(0.0, 0.0, 0.0), stiffness: 0.0 };
-}
+use crate::{PerWall, Vec3};
 
 /// What the contact pass writes.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct Forces {
     /// Force of the contacts on each sphere (N).
     pub force: Vec<Vec3>,
@@ -36,46 +20,57 @@ pub(super) struct Forces {
     /// What each outer pair does to its second sphere.
     pub sent: Vec<Wrench>,
     /// Sums on the walls, per block.
-    pub wall_sums: Vec<[WallSum; 6]>,
+    pub wall_sums: Vec<PerWall<WallSum>>,
 }
 
-/// What the contact pass reads.
-#[derive(Clone, Copy)]
-pub(super) struct Input<'a> {
-    /// Centre and radius of each sphere.
-    pub centre: &'a [[f64; 4]],
-    pub velocity: &'a [Vec3],
-    pub spin: &'a [Vec3],
-    pub walls: &'a [Wall; 6],
-    pub law: Law,
-    /// Length of the step that the shear forces have yet to follow (s), or 0.
-    pub dt: f64,
-    pub rotation: bool,
+/// A law with the constants of this pass.
+struct Bound<'a, L: ContactLaw> {
+    law: &'a L,
+    /// Constants between spheres, and on walls.
+    pair: L::Parameters,
+    wall: L::Parameters,
+    /// Whether walls need more than overlaps.
+    wall_motion: bool,
+    input: Input<'a>,
 }
 
-/// Computes all contact forces; shear forces follow the last step.
-pub(super) fn contact_forces(list: &mut Neighbours, out: &mut Forces, input: Input<'_>) {
-    match (input.law.has_friction(), input.rotation) {
-        (false, _) => run::<false, false>(list, out, input),
-        (true, false) => run::<true, false>(list, out, input),
-        (true, true) => run::<true, true>(list, out, input),
-    }
-}
-
-fn run<const FRICTION: bool, const ROTATION: bool>(
+/// Computes all contact forces; histories follow the last step.
+pub(super) fn contact_forces<L: ContactLaw>(
+    law: &L,
+    table: &ParameterTable<L>,
     list: &mut Neighbours,
     out: &mut Forces,
     input: Input<'_>,
 ) {
+    let bound = Bound {
+        law,
+        pair: table.spheres(0, 0),
+        wall: table.wall(0),
+        wall_motion: table.wall_needs() > Needs::Overlap,
+        input,
+    };
+    match (table.needs(), input.rotation) {
+        (Needs::Overlap, _) => run::<L, false, false>(list, out, &bound),
+        (Needs::Motion, _) | (Needs::Torques, false) => run::<L, true, false>(list, out, &bound),
+        (Needs::Torques, true) => run::<L, true, true>(list, out, &bound),
+    }
+}
+
+fn run<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+    list: &mut Neighbours,
+    out: &mut Forces,
+    bound: &Bound<'_, L>,
+) {
     let span = PairSpan {
         first: 0,
+        length: L::History::LENGTH,
         bounds: &list.bounds,
         pairs: &list.pairs,
         touch: &mut list.touch,
-        shear: &mut list.shear,
+        history: &mut list.history,
         wall_pairs: &list.wall_pairs,
         wall_touch: &mut list.wall_touch,
-        wall_shear: &mut list.wall_shear,
+        wall_history: &mut list.wall_history,
         force: &mut out.force,
         torque: &mut out.torque,
         sent: &mut out.sent,
@@ -83,14 +78,14 @@ fn run<const FRICTION: bool, const ROTATION: bool>(
     };
     let arch = pulp::Arch::new();
     let work = |span: PairSpan<'_>| {
-        arch.dispatch(Evaluate::<FRICTION, ROTATION> { span, input: &input });
+        arch.dispatch(Evaluate::<L, MOTION, TORQUES> { span, bound });
     };
     for_blocks(span, &work, &|(), ()| ());
 
     let span =
         GatherSpan { start: &list.incoming_start, force: &mut out.force, torque: &mut out.torque };
     let (incoming, sent) = (&list.incoming, &out.sent);
-    let work = |span: GatherSpan<'_>| span.gather::<ROTATION>(incoming, sent);
+    let work = |span: GatherSpan<'_>| span.gather::<TORQUES>(incoming, sent);
     for_blocks(span, &work, &|(), ()| ());
 }
 
@@ -98,17 +93,19 @@ fn run<const FRICTION: bool, const ROTATION: bool>(
 struct PairSpan<'a> {
     /// Index of the first particle.
     first: usize,
+    /// Numbers per contact in the histories.
+    length: usize,
     bounds: &'a [Bounds],
     pairs: &'a [[u32; 2]],
     touch: &'a mut [bool],
-    shear: &'a mut [Vec3],
+    history: &'a mut [f64],
     wall_pairs: &'a [WallPair],
     wall_touch: &'a mut [bool],
-    wall_shear: &'a mut [Vec3],
+    wall_history: &'a mut [f64],
     force: &'a mut [Vec3],
     torque: &'a mut [Vec3],
     sent: &'a mut [Wrench],
-    wall_sums: &'a mut [[WallSum; 6]],
+    wall_sums: &'a mut [PerWall<WallSum>],
 }
 
 impl Span for PairSpan<'_> {
@@ -123,10 +120,10 @@ impl Span for PairSpan<'_> {
         let particles = blocks * BLOCK;
         let pair = self.pairs.split_at(pairs);
         let touch = self.touch.split_at_mut(pairs);
-        let shear = self.shear.split_at_mut(pairs);
+        let history = self.history.split_at_mut(pairs * self.length);
         let wall_pair = self.wall_pairs.split_at(walls);
         let wall_touch = self.wall_touch.split_at_mut(walls);
-        let wall_shear = self.wall_shear.split_at_mut(walls);
+        let wall_history = self.wall_history.split_at_mut(walls * self.length);
         let force = cut_mut(self.force, particles);
         let torque = cut_mut(self.torque, particles);
         let sent = self.sent.split_at_mut(to.sent - from.sent);
@@ -134,13 +131,14 @@ impl Span for PairSpan<'_> {
         (
             PairSpan {
                 first: self.first,
+                length: self.length,
                 bounds: &self.bounds[..=blocks],
                 pairs: pair.0,
                 touch: touch.0,
-                shear: shear.0,
+                history: history.0,
                 wall_pairs: wall_pair.0,
                 wall_touch: wall_touch.0,
-                wall_shear: wall_shear.0,
+                wall_history: wall_history.0,
                 force: force.0,
                 torque: torque.0,
                 sent: sent.0,
@@ -148,13 +146,14 @@ impl Span for PairSpan<'_> {
             },
             PairSpan {
                 first: self.first + particles,
+                length: self.length,
                 bounds: &self.bounds[blocks..],
                 pairs: pair.1,
                 touch: touch.1,
-                shear: shear.1,
+                history: history.1,
                 wall_pairs: wall_pair.1,
                 wall_touch: wall_touch.1,
-                wall_shear: wall_shear.1,
+                wall_history: wall_history.1,
                 force: force.1,
                 torque: torque.1,
                 sent: sent.1,
@@ -166,27 +165,34 @@ impl Span for PairSpan<'_> {
 
 /// The evaluation of a run of blocks, compiled once more for processors with
 /// wider vector units. Lanes do not mix, so the bits are the same.
-struct Evaluate<'a, const FRICTION: bool, const ROTATION: bool> {
+struct Evaluate<'a, L: ContactLaw, const MOTION: bool, const TORQUES: bool> {
     span: PairSpan<'a>,
-    input: &'a Input<'a>,
+    bound: &'a Bound<'a, L>,
 }
 
-impl<const FRICTION: bool, const ROTATION: bool> pulp::NullaryFnOnce
-    for Evaluate<'_, FRICTION, ROTATION>
+impl<L: ContactLaw, const MOTION: bool, const TORQUES: bool> pulp::NullaryFnOnce
+    for Evaluate<'_, L, MOTION, TORQUES>
 {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.span.evaluate::<FRICTION, ROTATION>(self.input);
+        self.span.evaluate::<L, MOTION, TORQUES>(self.bound);
     }
 }
 
 impl PairSpan<'_> {
     #[inline(always)]
-    fn evaluate<const FRICTION: bool, const ROTATION: bool>(mut self, input: &Input<'_>) {
+    fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+        self,
+        bound: &Bound<'_, L>,
+    ) {
+        let Bound { law, pair, wall, ref input, .. } = *bound;
         let origin = self.bounds[0];
-        let mut batch = Batch::new();
+        let length = L::History::LENGTH;
+        let mut scratch = L::Scratch::default();
+        let mut pair_batch = Batch::new(input.dt);
+        let mut wall_batch = Batch::new(input.dt);
         for block in 0..self.wall_sums.len() {
             let (from, to) = (self.bounds[block], self.bounds[block + 1]);
             let spheres = block * BLOCK..((block + 1) * BLOCK).min(self.force.len());
@@ -199,93 +205,39 @@ impl PairSpan<'_> {
             let outer = from.outer - origin.inner..to.inner - origin.inner;
             let sent = &mut self.sent[from.sent - origin.sent..to.sent - origin.sent];
             for (range, sent) in [(inner, None), (outer, Some(sent))] {
-                Pairs {
+                SpherePairRange {
                     pairs: &self.pairs[range.clone()],
                     touch: &mut self.touch[range.clone()],
-                    shear: &mut self.shear[range],
+                    history: &mut self.history[range.start * length..range.end * length],
                     sent,
                     first,
                     force: &mut *force,
                     torque: &mut *torque,
                 }
-                .evaluate::<FRICTION, ROTATION>(&mut batch, input);
+                .evaluate::<L, MOTION, TORQUES>(
+                    law,
+                    pair,
+                    (&mut pair_batch, &mut scratch),
+                    input,
+                );
             }
-            let walls = from.wall - origin.wall..to.wall - origin.wall;
-            self.wall_sums[block] = self.walls::<FRICTION, ROTATION>(walls, input);
+            let range = from.wall - origin.wall..to.wall - origin.wall;
+            let mut walls = WallPairRange {
+                pairs: &self.wall_pairs[range.clone()],
+                touch: &mut self.wall_touch[range.clone()],
+                history: &mut self.wall_history[range.start * length..range.end * length],
+                first,
+                force,
+                torque,
+            };
+            let lanes = (&mut wall_batch, &mut scratch);
+            self.wall_sums[block] = if bound.wall_motion {
+                walls.evaluate::<L, MOTION, TORQUES>(law, wall, lanes, input)
+            } else {
+                walls.evaluate::<L, false, false>(law, wall, lanes, input)
+            };
         }
     }
-
-    /// Evaluates a range of sphere-wall pairs.
-    #[inline(always)]
-    fn walls<const FRICTION: bool, const ROTATION: bool>(
-        &mut self,
-        range: std::ops::Range<usize>,
-        input: &Input<'_>,
-    ) -> [WallSum; 6] {
-        let mut sums = [WallSum::ZERO; 6];
-        for slot in range {
-            let WallPair { i, wall } = self.wall_pairs[slot];
-            let (i, w) = (i as usize, wall.index());
-            let centre = &input.centre[i];
-            let distance = (centre[wall.axis()] - input.walls[w].position) * wall.inward();
-            let overlap = centre[3] - distance;
-            if overlap <= 0.0 {
-                if self.wall_touch[slot] {
-                    self.wall_touch[slot] = false;
-                    self.wall_shear[slot] = Vec3::zeros();
-                }
-                continue;
-            }
-            self.wall_touch[slot] = true;
-            let stiffness = input.law.wall * centre[3];
-            let push = stiffness * overlap;
-            let mut normal: V = [0.0; 3];
-            normal[wall.axis()] = -wall.inward();
-            let mut force = scaled(push, normal);
-            if FRICTION && input.law.wall_friction > 0.0 {
-                let arm = centre[3] - 0.5 * overlap;
-                let mut shear = self.wall_shear[slot].into();
-                if input.dt > 0.0 {
-                    let motion = wall_sliding::<ROTATION>(i, wall, normal, arm, input);
-                    let limit = input.law.wall_friction * push;
-                    shear = shear_force(shear, &motion, input.law.ratio * stiffness, limit);
-                    self.wall_shear[slot] = shear.into();
-                }
-                force = add_scaled(force, 1.0, shear);
-                if ROTATION {
-                    self.torque[i - self.first] -= arm * Vec3::from(cross(normal, shear));
-                }
-            }
-            let force = Vec3::from(force);
-            self.force[i - self.first] -= force;
-            sums[w].force += force;
-            sums[w].stiffness += stiffness;
-        }
-        sums
-    }
-}
-
-/// How the contact of sphere `i` with a wall moved during the last step.
-#[inline(always)]
-fn wall_sliding<const ROTATION: bool>(
-    i: usize,
-    wall: WallId,
-    normal: V,
-    arm: f64,
-    input: &Input<'_>,
-) -> Sliding {
-    // A wall moves along its normal only: it does not slide.
-    let velocity: V = (-input.velocity[i]).into();
-    let mut across = velocity;
-    across[wall.axis()] = 0.0;
-    let mut motion =
-        Sliding { normal, half_turn: [0.0; 3], twist: 0.0, slip: scaled(input.dt, across) };
-    if ROTATION {
-        let spin: V = input.spin[i].into();
-        motion.twist = 0.5 * input.dt * dot(spin, normal);
-        motion.slip = add_scaled(motion.slip, -input.dt * arm, cross(spin, normal));
-    }
-    motion
 }
 
 /// A run of blocks that gather.

@@ -2,63 +2,87 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::error::DemError;
 use super::particles::Particles;
 use super::walls::Wall;
-use crate::{Vec3, WallId};
+use crate::{PerWall, WallId};
 
-/// The shear force that a contact of two spheres has built up.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SphereHistory {
-    /// Index of the first sphere, the smaller of the two.
-    pub i: u32,
-    /// Index of the second sphere.
-    pub j: u32,
-    /// Shear force on the second sphere (N).
-    pub shear: Vec3,
-}
-
-/// The shear force that a contact of a sphere and a wall has built up.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WallHistory {
-    /// Index of the sphere.
-    pub i: u32,
-    /// The wall.
-    pub wall: WallId,
-    /// Shear force on the wall (N).
-    pub shear: Vec3,
+/// What contacts remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactHistory<T> {
+    /// The two bodies of each contact, by their places in
+    /// [`DemState::particles`]; of two spheres the smaller place first.
+    pub bodies: Vec<T>,
+    /// The histories, one after the other: as many numbers per contact as the
+    /// law remembers.
+    pub numbers: Vec<f64>,
 }
 
 /// Everything that the mechanics needs to go on as if it had not stopped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DemState {
+    /// Name of the contact law whose histories these are.
+    pub law: String,
     /// The spheres.
     pub particles: Particles,
-    /// The walls, by [`WallId::index`].
-    pub walls: [Wall; 6],
-    /// Shear forces between spheres.
-    pub sphere_history: Vec<SphereHistory>,
-    /// Shear forces between spheres and walls.
-    pub wall_history: Vec<WallHistory>,
-    /// Length of the last step (s) if the shear forces have not yet followed
-    /// its motion, else 0.
+    /// The walls.
+    pub walls: PerWall<Wall>,
+    /// Histories of contacts between spheres.
+    pub sphere_history: ContactHistory<[u32; 2]>,
+    /// Histories of contacts of spheres with walls.
+    pub wall_history: ContactHistory<(u32, WallId)>,
+    /// Length of the last step (s) if the histories have not yet followed its
+    /// motion, else 0.
     pub pending_dt: f64,
 }
 
+impl<T> Default for ContactHistory<T> {
+    /// No contacts.
+    fn default() -> ContactHistory<T> {
+        ContactHistory { bodies: vec![], numbers: vec![] }
+    }
+}
+
+impl<T: Copy + Ord> ContactHistory<T> {
+    /// Refuses histories that have not `length` numbers each.
+    pub(super) fn check(&self, length: usize) -> Result<(), DemError> {
+        let (found, expected) = (self.numbers.len(), self.bodies.len() * length);
+        if found == expected {
+            Ok(())
+        } else {
+            Err(DemError::History { found, contacts: self.bodies.len(), length })
+        }
+    }
+
+    /// Each contact with its history of `length` numbers, sorted by bodies.
+    pub(super) fn sorted(&self, length: usize) -> Vec<(T, &[f64])> {
+        let history = |k: usize| &self.numbers[k * length..][..length];
+        let mut all: Vec<_> =
+            self.bodies.iter().enumerate().map(|(k, &b)| (b, history(k))).collect();
+        all.sort_by_key(|&(bodies, _)| bodies);
+        all
+    }
+}
+
 impl DemState {
-    /// Puts the spheres in spatial order and the history with them.
-    pub(super) fn sort_spatially(&mut self) {
+    /// Puts the spheres in spatial order and the histories of `length` numbers
+    /// with them; `reverse` is the law's where two bodies change places.
+    pub(super) fn sort_spatially(&mut self, length: usize, reverse: impl Fn(&mut [f64])) {
         let from = self.particles.sort_spatially();
         let mut to = vec![0u32; from.len()];
         for (k, &i) in (0u32..).zip(&from) {
             to[i as usize] = k;
         }
-        for h in &mut self.sphere_history {
-            let (i, j) = (to[h.i as usize], to[h.j as usize]);
-            // The force is the one on the second sphere.
-            (h.i, h.j, h.shear) = if i < j { (i, j, h.shear) } else { (j, i, -h.shear) };
+        let ContactHistory { bodies, numbers } = &mut self.sphere_history;
+        for (k, pair) in bodies.iter_mut().enumerate() {
+            let [i, j] = pair.map(|i| to[i as usize]);
+            *pair = [i.min(j), i.max(j)];
+            if i > j {
+                reverse(&mut numbers[k * length..][..length]);
+            }
         }
-        for h in &mut self.wall_history {
-            h.i = to[h.i as usize];
+        for (i, _) in &mut self.wall_history.bodies {
+            *i = to[*i as usize];
         }
     }
 }

@@ -2,15 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::compiled::{CompiledLaw, compile};
+use super::damping::LocalDamping;
 use super::error::DemError;
-use super::integrate::{Motion, advance};
-use super::material::{Law, Material, WallMaterial, check_friction, positive};
+use super::external::ExternalLoads;
+use super::integrate::{Loads, Step, advance};
+use super::law::{ContactLaw, Linear, Needs};
+use super::material::{Material, WallMaterial, check_friction, positive};
 use super::neighbours::Neighbours;
 use super::particles::Particles;
-use super::pass::{Forces, Input, WallSum, contact_forces};
-use super::state::DemState;
+use super::pass::Forces;
+use super::pass_input::Input;
+use super::state::{ContactHistory, DemState};
+use super::wall_pairs::WallSum;
 use super::walls::{Wall, WallControl, WallLoad, box_of, check_box, walls_of};
-use crate::{Aabb, Vec3, WallId};
+use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,11 +40,16 @@ impl Default for DemOptions {
 }
 
 /// Spheres in a box of six walls.
+///
+/// Spheres are named by the user's numbers, their places in the list that the
+/// `Dem` was made of, except where a name says `storage`.
 pub struct Dem {
     pub(super) particles: Particles,
-    pub(super) walls: [Wall; 6],
+    /// Place of each of the user's numbers in storage.
+    pub(super) place: Vec<u32>,
+    pub(super) walls: PerWall<Wall>,
     pub(super) options: DemOptions,
-    pub(super) law: Law,
+    pub(super) law: Box<dyn CompiledLaw>,
     material: Material,
     wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
@@ -47,17 +58,18 @@ pub struct Dem {
     pub(super) forces: Forces,
     /// Centre and radius of each sphere, as the contact pass reads them.
     pub(super) centre: Vec<[f64; 4]>,
-    pub(super) wall_sums: [WallSum; 6],
+    pub(super) wall_sums: PerWall<WallSum>,
     /// See [`Dem::set_wall_resistance`].
-    wall_resistance: [f64; 6],
+    wall_resistance: PerWall<f64>,
+    pub(super) external: ExternalLoads,
     /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
     /// contacts, and rotational stiffness over r².
     pub(super) stiffness: Vec<[Vec3; 2]>,
 }
 
 impl Dem {
-    /// Spheres at the positions given, between fixed walls around `box_`. The
-    /// spheres are put in spatial order; [`Particles::id`] tells the user's.
+    /// Spheres at the positions given, between fixed walls around `box_`, with
+    /// the [`Linear`] contact law.
     ///
     /// # Errors
     /// Parameters that make no sense, a centre beyond a wall, two spheres
@@ -69,36 +81,82 @@ impl Dem {
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
+        Dem::with_law(Linear, particles, box_, material, wall_material, options)
+    }
+
+    /// The same with a contact law of the caller's choice, compiled for it.
+    ///
+    /// # Errors
+    /// As [`Dem::new`].
+    pub fn with_law(
+        law: impl ContactLaw,
+        particles: Particles,
+        box_: Aabb,
+        material: Material,
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
         check_box(&box_)?;
         particles.check()?;
         let mut state = DemState {
+            law: law.name().to_owned(),
             particles,
             walls: walls_of(&box_),
-            sphere_history: Vec::new(),
-            wall_history: Vec::new(),
+            sphere_history: ContactHistory::default(),
+            wall_history: ContactHistory::default(),
             pending_dt: 0.0,
         };
-        state.sort_spatially();
-        Dem::from_state(state, material, wall_material, options)
+        // Nothing to reverse: there are no contacts yet.
+        state.sort_spatially(0, |_| ());
+        Dem::with_law_from_state(law, state, material, wall_material, options)
     }
 
     /// Goes on from a state that [`Dem::state`] gave, with the same bits as
     /// if it had not stopped.
     ///
     /// # Errors
-    /// As [`Dem::new`].
+    /// As [`Dem::new`]; [`DemError::Law`] for the state of another law than
+    /// [`Linear`].
     pub fn from_state(
         state: DemState,
         material: Material,
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
+        Dem::with_law_from_state(Linear, state, material, wall_material, options)
+    }
+
+    /// The same with the contact law that the state was made with.
+    ///
+    /// # Errors
+    /// As [`Dem::from_state`].
+    pub fn with_law_from_state(
+        law: impl ContactLaw,
+        state: DemState,
+        material: Material,
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
+        if state.law != law.name() {
+            return Err(DemError::Law { found: state.law, expected: law.name() });
+        }
         material.check()?;
         wall_material.check()?;
+        let law = compile(law, &[material], &wall_material);
+        Dem::assemble(law, state, material, wall_material, options)
+    }
+
+    fn assemble(
+        law: Box<dyn CompiledLaw>,
+        state: DemState,
+        material: Material,
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
         options.check()?;
         state.particles.check()?;
         check_box(&box_of(&state.walls))?;
-        let mut list = Neighbours::default();
+        let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
         let DemState { particles, walls, pending_dt, .. } = state;
         let centre = particles
@@ -107,11 +165,17 @@ impl Dem {
             .zip(&particles.radius)
             .map(|(x, &r)| [x.x, x.y, x.z, r])
             .collect();
+        let mut place = vec![0; particles.len()];
+        for (k, &number) in (0u32..).zip(&particles.id) {
+            place[number as usize] = k;
+        }
         let mut dem = Dem {
-            law: material.law(&wall_material),
+            law,
+            place,
             forces: Forces::default(),
-            wall_sums: [WallSum::ZERO; 6],
-            wall_resistance: [0.0; 6],
+            wall_sums: PerWall::default(),
+            wall_resistance: PerWall::default(),
+            external: ExternalLoads::default(),
             stiffness: vec![],
             particles,
             walls,
@@ -131,6 +195,7 @@ impl Dem {
     /// What a checkpoint holds.
     pub fn state(&self) -> DemState {
         DemState {
+            law: self.law.name().to_owned(),
             particles: self.particles.clone(),
             walls: self.walls,
             sphere_history: self.list.sphere_history(),
@@ -140,29 +205,33 @@ impl Dem {
     }
 
     /// Puts the spheres in spatial order again, after they have moved far
-    /// from where they were. Changes the order of all arrays.
+    /// from where they were. Changes the order of all arrays in storage, and
+    /// no number of the user's. Forces and torques that were added are
+    /// forgotten.
     ///
     /// # Errors
     /// As [`Dem::compute_contacts`].
     pub fn sort_spatially(&mut self) -> Result<(), DemError> {
         let mut state = self.state();
-        state.sort_spatially();
-        *self = Dem::from_state(state, self.material, self.wall_material, self.options)?;
+        let law = self.law.clone_box();
+        state.sort_spatially(law.history_length(), |history| law.reverse(history));
+        *self = Dem::assemble(law, state, self.material, self.wall_material, self.options)?;
         Ok(())
     }
 
     fn rebuild(&mut self) -> Result<(), DemError> {
-        self.list.build(&self.particles, &self.walls, self.options.skin)?;
+        let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
+        self.list.build(&self.particles, &self.walls, cut_off, skin)?;
         let end = self.list.bounds.last().copied().unwrap_or_default();
         self.forces.sent.clear();
         self.forces.sent.resize(end.sent, [0.0; 6]);
-        self.forces.wall_sums.resize(self.list.bounds.len() - 1, [WallSum::ZERO; 6]);
+        self.forces.wall_sums.resize(self.list.bounds.len() - 1, PerWall::default());
         Ok(())
     }
 
     /// Computes the contact forces at the current positions, after building
     /// the neighbour list anew if something may have used up its skin. The
-    /// shear forces follow the motion of the last step, once.
+    /// histories follow the motion of the last step, once.
     ///
     /// # Errors
     /// [`DemError::OutsideBox`] or [`DemError::Coincident`], found when the
@@ -176,15 +245,14 @@ impl Dem {
             velocity: &self.particles.velocity,
             spin: &self.particles.spin,
             walls: &self.walls,
-            law: self.law,
             dt: self.pending_dt,
             rotation: self.options.rotation,
         };
-        contact_forces(&mut self.list, &mut self.forces, input);
+        self.law.contact_forces(&mut self.list, &mut self.forces, input);
         self.pending_dt = 0.0;
-        self.wall_sums = [WallSum::ZERO; 6];
+        self.wall_sums = PerWall::default();
         for block in &self.forces.wall_sums {
-            for (total, part) in self.wall_sums.iter_mut().zip(block) {
+            for ((_, total), part) in self.wall_sums.iter_mut().zip(block.values()) {
                 total.force += part.force;
                 total.stiffness += part.stiffness;
             }
@@ -193,8 +261,10 @@ impl Dem {
     }
 
     /// Moves walls and spheres by one time step `dt` (s) under the contact
-    /// forces of the last [`Dem::compute_contacts`] and, where given, the
-    /// fluid's force on each sphere and each wall (N).
+    /// forces of the last [`Dem::compute_contacts`], gravity, what
+    /// [`Dem::add_force`] and [`Dem::add_torque`] have added since the last
+    /// step, and, where given, the fluid's force on each sphere, in storage
+    /// order, and each wall (N).
     ///
     /// # Errors
     /// [`DemError::NotFinite`] names a particle whose force or motion is not
@@ -205,7 +275,7 @@ impl Dem {
         &mut self,
         dt: f64,
         fluid_force: Option<&[Vec3]>,
-        fluid_wall_force: Option<&[Vec3; 6]>,
+        fluid_wall_force: Option<&PerWall<Vec3>>,
     ) -> Result<(), DemError> {
         positive("time step", dt)?;
         let expected = self.particles.len();
@@ -213,39 +283,40 @@ impl Dem {
             return Err(DemError::Length { what: "fluid force", found, expected });
         }
         self.move_walls(dt, fluid_wall_force)?;
-        let motion = Motion {
+        let turned = self.law.needs() == Needs::Torques || self.external.turns();
+        let step = Step {
             dt,
-            damping: self.options.damping,
+            damping: LocalDamping::new(self.options.damping)?,
             gravity: self.options.gravity.unwrap_or_default(),
-            // Without friction nothing turns a sphere.
-            rotation: self.options.rotation && self.law.has_friction(),
+            rotation: self.options.rotation && turned,
         };
-        let farthest = advance(
-            &mut self.particles,
-            &mut self.centre,
-            [&self.forces.force, &self.forces.torque],
-            fluid_force,
-            motion,
-        )?;
+        let loads = Loads {
+            force: &self.forces.force,
+            torque: &self.forces.torque,
+            fluid: fluid_force,
+            external: self.external.get(),
+        };
+        let farthest = advance(&mut self.particles, &mut self.centre, loads, step)?;
+        self.external.clear();
         self.list.moved(farthest);
         self.pending_dt = dt;
         Ok(())
     }
 
-    fn move_walls(&mut self, dt: f64, fluid: Option<&[Vec3; 6]>) -> Result<(), DemError> {
+    fn move_walls(&mut self, dt: f64, fluid: Option<&PerWall<Vec3>>) -> Result<(), DemError> {
         let box_ = self.box_();
         let size = box_.size();
         for wall in WallId::ALL {
-            let (k, axis) = (wall.index(), wall.axis());
-            let force = self.wall_sums[k].force[axis] + fluid.map_or(0.0, |f| f[k][axis]);
+            let axis = wall.axis();
+            let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
             let load = WallLoad {
                 outward: -wall.inward() * force,
-                stiffness: self.wall_sums[k].stiffness,
-                resistance: self.wall_resistance[k],
+                stiffness: self.wall_sums[wall].stiffness,
+                resistance: self.wall_resistance[wall],
                 area: box_.wall_area(wall),
                 axis_share: 3.0 * size[axis] / size.sum(),
             };
-            self.walls[k].advance(wall, dt, load);
+            self.walls[wall].advance(wall, dt, load);
         }
         check_box(&self.box_())
     }
@@ -259,18 +330,31 @@ impl Dem {
         self.integrate(dt, None, None)
     }
 
-    /// The spheres, in the order of all arrays per sphere.
-    pub fn particles(&self) -> &Particles {
+    /// The spheres in storage order, an order in space of the `Dem`'s own:
+    /// [`Particles::id`] tells the user's number of each. For loops over all
+    /// spheres that shall not copy them.
+    pub fn storage(&self) -> &Particles {
         &self.particles
     }
 
-    /// Velocities and spins, to be changed: (m/s), (rad/s).
-    pub fn velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
+    /// Velocities (m/s) and spins (rad/s) in storage order, to be changed.
+    pub fn storage_velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
         (&mut self.particles.velocity, &mut self.particles.spin)
     }
 
-    /// The walls, by [`WallId::index`].
-    pub fn walls(&self) -> &[Wall; 6] {
+    /// Force of the contacts on each sphere (N) in storage order, from the
+    /// last [`Dem::compute_contacts`].
+    pub fn storage_forces(&self) -> &[Vec3] {
+        &self.forces.force
+    }
+
+    /// Torque of the contacts on each sphere (N m) in storage order, likewise.
+    pub fn storage_torques(&self) -> &[Vec3] {
+        &self.forces.torque
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> &PerWall<Wall> {
         &self.walls
     }
 
@@ -294,19 +378,14 @@ impl Dem {
         &self.options
     }
 
-    /// Force of the contacts on each sphere (N), from the last
+    /// Name of the contact law.
+    pub fn law(&self) -> &'static str {
+        self.law.name()
+    }
+
+    /// Force of the contacts on each wall (N), from the last
     /// [`Dem::compute_contacts`].
-    pub fn forces(&self) -> &[Vec3] {
-        &self.forces.force
-    }
-
-    /// Torque of the contacts on each sphere (N m), likewise.
-    pub fn torques(&self) -> &[Vec3] {
-        &self.forces.torque
-    }
-
-    /// Force of the contacts on each wall (N), likewise.
-    pub fn wall_force(&self) -> [Vec3; 6] {
+    pub fn wall_force(&self) -> PerWall<Vec3> {
         self.wall_sums.map(|sum| sum.force)
     }
 
@@ -317,14 +396,14 @@ impl Dem {
     /// a largest speed that is not positive.
     pub fn set_control(&mut self, wall: WallId, control: WallControl) -> Result<(), DemError> {
         control.check()?;
-        self.walls[wall.index()].set_control(control);
+        self.walls[wall].set_control(control);
         Ok(())
     }
 
     /// Tells how much the force of the fluid on each wall changes with the
     /// wall's velocity, against it (N·s/m); 0 for a dry wall. A servo counts on
     /// it in the next steps; it is no part of the state.
-    pub fn set_wall_resistance(&mut self, resistance: [f64; 6]) {
+    pub fn set_wall_resistance(&mut self, resistance: PerWall<f64>) {
         self.wall_resistance = resistance;
     }
 
@@ -335,13 +414,13 @@ impl Dem {
     pub fn set_friction(&mut self, angle: f64) -> Result<(), DemError> {
         check_friction(angle)?;
         self.material.friction_angle = angle;
-        self.law = self.material.law(&self.wall_material);
-        // Without friction the pass does not look at the history.
-        if self.law.friction == 0.0 {
-            self.list.shear.fill(Vec3::zeros());
+        self.law.set_materials(&[self.material], &self.wall_material);
+        // A pass that needs overlaps alone does not look at the history.
+        if self.law.pair_needs() == Needs::Overlap {
+            self.list.history.fill(0.0);
         }
-        if self.law.wall_friction == 0.0 {
-            self.list.wall_shear.fill(Vec3::zeros());
+        if self.law.wall_needs() == Needs::Overlap {
+            self.list.wall_history.fill(0.0);
         }
         Ok(())
     }
@@ -377,16 +456,24 @@ impl Dem {
 
 impl DemOptions {
     fn check(&self) -> Result<(), DemError> {
-        if !(0.0..1.0).contains(&self.damping) {
-            return Err(DemError::Parameter {
-                name: "damping",
-                value: self.damping,
-                expected: "from 0 to less than 1",
-            });
-        }
+        LocalDamping::new(self.damping)?;
         if let Some(bad) = self.gravity.iter().flat_map(|g| g.iter()).find(|c| !c.is_finite()) {
             return Err(DemError::Parameter { name: "gravity", value: *bad, expected: "finite" });
         }
         positive("skin", self.skin)
+    }
+}
+
+impl std::fmt::Debug for Dem {
+    /// Without the arrays.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Dem")
+            .field("spheres", &self.particles.len())
+            .field("box_", &self.box_())
+            .field("law", &self.law)
+            .field("material", &self.material)
+            .field("wall_material", &self.wall_material)
+            .field("options", &self.options)
+            .finish_non_exhaustive()
     }
 }

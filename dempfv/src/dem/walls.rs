@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
 use super::material::positive;
-use crate::{Aabb, WallId};
+use crate::{Aabb, PerWall, WallId};
 
 /// Share of the wanted shift that a servo wall leaves out, and share of its
 /// previous shift that it adds: the values of YADE's triaxial controller.
@@ -140,13 +140,13 @@ impl Wall {
 }
 
 /// Six fixed walls around a box.
-pub(super) fn walls_of(box_: &Aabb) -> [Wall; 6] {
-    WallId::ALL.map(|w| Wall::new(box_.wall(w)))
+pub(super) fn walls_of(box_: &Aabb) -> PerWall<Wall> {
+    PerWall::from_fn(|w| Wall::new(box_.wall(w)))
 }
 
 /// The box between the walls.
-pub(super) fn box_of(walls: &[Wall; 6]) -> Aabb {
-    let at = |w: WallId| walls[w.index()].position;
+pub(super) fn box_of(walls: &PerWall<Wall>) -> Aabb {
+    let at = |w: WallId| walls[w].position;
     Aabb {
         min: crate::Vec3::new(at(WallId::XMin), at(WallId::YMin), at(WallId::ZMin)),
         max: crate::Vec3::new(at(WallId::XMax), at(WallId::YMax), at(WallId::ZMax)),

@@ -282,7 +282,7 @@ impl Simulation {
     /// same run gives the same hash for any number of threads. Spheres count
     /// in the order of the user's numbers.
     pub fn state_hash(&self) -> String {
-        let particles = self.coupled.dem().particles();
+        let particles = self.coupled.dem().storage();
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&i| particles.id[i]);
         let vectors = order.iter().flat_map(|&i| [particles.position[i], particles.velocity[i]]);

@@ -55,7 +55,7 @@ impl Stability {
         coupled.saturate(fluid.saturation());
         coupled.update_viscous_mode(true)?;
         let bounds = coupled.time_step_bounds();
-        let id = &coupled.dem().particles().id;
+        let id = &coupled.dem().storage().id;
         let mode = coupled.viscous_mode();
         let flow = coupled.flow();
         Ok(Some(Stability {

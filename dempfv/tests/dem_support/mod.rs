@@ -55,8 +55,3 @@ pub fn settled(count: usize, seed: u64, options: DemOptions) -> Dem {
 pub fn bits(dem: &Dem) -> Vec<u8> {
     postcard::to_stdvec(&dem.state()).unwrap()
 }
-
-/// The index of the sphere with the user's number `id`.
-pub fn index(dem: &Dem, id: u32) -> usize {
-    dem.particles().id.iter().position(|&i| i == id).unwrap()
-}

@@ -46,7 +46,7 @@ pub fn flying(n: usize) -> Dem {
     s.r.iter_mut().for_each(|r| *r *= 0.8);
     let mut dem = dem_of(s);
     let mut random = Random(5);
-    for v in dem.velocities_mut().0 {
+    for v in dem.storage_velocities_mut().0 {
         *v = 0.5 * random.vector();
     }
     dem.set_control(WallId::YMax, WallControl::Servo { stress: 100.0, max_velocity: 0.1 }).unwrap();
@@ -63,7 +63,7 @@ pub fn moving(n: usize, rule: RemeshRule, acceleration: Acceleration) -> Coupled
 
 /// The bits of positions, velocities and pressures, folded.
 pub fn bits(coupled: &Coupled) -> u64 {
-    let p = coupled.dem().particles();
+    let p = coupled.dem().storage();
     let vectors = p.position.iter().chain(&p.velocity);
     let pressure = coupled.flow().map_or(&[][..], |f| f.pressure());
     let fold =

@@ -188,7 +188,7 @@ fn carry_out(plan: Plan, interval: u64, threads: usize) -> Result<End, Error> {
 
 /// The user's number of the sphere nearest to the middle of the bottom, y_min.
 fn bottom(coupled: &Coupled) -> usize {
-    let particles = coupled.dem().particles();
+    let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
     let mut middle = 0.5 * (bounds.min + bounds.max);
     middle.y = bounds.min.y;

@@ -105,7 +105,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     make_folder(&folder)?;
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
-    let particles = simulation.coupled().dem().particles().len();
+    let particles = simulation.coupled().dem().storage().len();
     Ok(Some(Report { file, particles, steps: simulation.step(), compaction: Some(compaction) }))
 }
 
@@ -180,7 +180,7 @@ fn write(
 
 /// The spheres of a packing in the user's order, with their box.
 fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(), Error> {
-    let particles = dem.particles();
+    let particles = dem.storage();
     let mut order: Vec<usize> = (0..particles.len()).collect();
     order.sort_unstable_by_key(|&i| particles.id[i]);
     let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();

@@ -141,7 +141,7 @@ fn motion(
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
     let Some(flow) = coupled.flow() else { return Ok(()) };
-    let particles = coupled.dem().particles();
+    let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
     let (points, cells) =
         dempfv::io::vtk::pore_cells(&flow.network(), &particles.position, &bounds);
@@ -187,7 +187,7 @@ fn in_file_name(simulation: &Simulation, stage: &StageOutcome) -> String {
 fn caption(simulation: &Simulation, c: &Consolidation) -> String {
     format!(
         "{} spheres, H = {}, Δσ = {}.\nMeasured beforehand: *E*_{{oed}} = {}, *k* = {:.3e} m²; so *c*_{{v}} = {} m²/s.",
-        simulation.coupled().dem().particles().len(),
+        simulation.coupled().dem().storage().len(),
         si(c.height_m, "m"),
         si(c.load_pa, "Pa"),
         si(c.modulus_pa, "Pa"),

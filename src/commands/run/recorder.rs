@@ -108,11 +108,13 @@ impl Frames {
     fn write(&mut self, folder: &Path, simulation: &Simulation) -> Result<()> {
         let (step, time) = (simulation.step(), simulation.time());
         let coupled = simulation.coupled();
-        let particles = coupled.dem().particles();
+        let particles = coupled.dem().storage();
         let fluid = coupled.flow().map(|f| f.force());
         let force: Vec<Vec3> = match fluid {
-            Some(fluid) => coupled.dem().forces().iter().zip(fluid).map(|(a, b)| a + b).collect(),
-            None => coupled.dem().forces().to_vec(),
+            Some(fluid) => {
+                coupled.dem().storage_forces().iter().zip(fluid).map(|(a, b)| a + b).collect()
+            }
+            None => coupled.dem().storage_forces().to_vec(),
         };
         let name = format!("spheres-{step:09}.vtu");
         let frame = SphereFrame {

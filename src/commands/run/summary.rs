@@ -88,7 +88,7 @@ impl Report {
             finished: status.finished,
             interrupted: status.interrupted,
             error: status.error,
-            particles: coupled.dem().particles().len(),
+            particles: coupled.dem().storage().len(),
             pores,
             unknowns,
             hidden: hidden(coupled),
@@ -151,7 +151,7 @@ fn gpu_line(gpu: &GpuUse) -> String {
 
 fn hidden(coupled: &Coupled) -> Vec<u32> {
     let Some(flow) = coupled.flow() else { return vec![] };
-    let id = &coupled.dem().particles().id;
+    let id = &coupled.dem().storage().id;
     let mut numbers: Vec<u32> =
         flow.network().tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
     numbers.sort_unstable();

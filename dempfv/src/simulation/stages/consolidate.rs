@@ -79,7 +79,7 @@ impl State {
             until: plan.until_tv,
             profiles_left: plan.profiles.clone(),
             start_time: context.clock.time,
-            start_position: dem.walls()[plan.wall.index()].position,
+            start_position: dem.walls()[plan.wall].position,
             next_sample: FIRST,
             steps: 0,
             max_steps: plan.max_steps,
@@ -137,7 +137,7 @@ impl State {
 
     fn sample(&self, time_factor: f64, coupled: &Coupled, flow: &Flow) -> ConsolidationSample {
         let wall = self.result.wall;
-        let position = coupled.dem().walls()[wall.index()].position;
+        let position = coupled.dem().walls()[wall].position;
         let settlement = wall.inward() * (position - self.start_position);
         ConsolidationSample {
             time_factor,

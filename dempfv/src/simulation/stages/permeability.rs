@@ -36,7 +36,7 @@ impl State {
         fluid_in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
 
         let dem = context.coupled.dem();
-        let particles = dem.particles();
+        let particles = dem.storage();
         let mut flow = Flow::new(
             &particles.position,
             &particles.radius,
@@ -57,7 +57,7 @@ impl State {
             permeability_m2: measured.value,
             flux_m3_s: measured.flux,
             imbalance: measured.imbalance,
-            kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.particles().radius)),
+            kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.storage().radius)),
             porosity,
             pores: flow.network().pores() as u64,
             unknowns: flow.operators().unknowns() as u64,

@@ -94,7 +94,7 @@ pub fn settled(bench: &Bench, count: usize) -> Result<Packing, Error> {
         Ok::<(), Error>(())
     })?;
     let dem = simulation.coupled().dem();
-    let particles = dem.particles();
+    let particles = dem.storage();
     // Ten digits are what a packing file of YADE's has.
     let round = |x: f64| format!("{x:.10}").parse().unwrap_or(x);
     let position: Vec<Vec3> = particles.position.iter().map(|x| x.map(round)).collect();

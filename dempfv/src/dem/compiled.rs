@@ -1,0 +1,142 @@
+//! A law compiled for the contact pass and put behind one dynamic call, so
+//! that [`Dem`](super::Dem) is one type for all laws.
+
+use std::fmt::Debug;
+
+use super::law::{ContactForce, ContactLaw, History, Needs, SphereOnPlane, Stiffness, TwoSpheres};
+use super::material::{Material, WallMaterial};
+use super::neighbours::Neighbours;
+use super::parameters::ParameterTable;
+use super::pass::{Forces, contact_forces};
+use super::pass_input::Input;
+
+/// A contact between two steps, as an observer sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    pub surfaces: Surfaces,
+    /// Depth of the overlap (m).
+    pub overlap: f64,
+}
+
+/// The two bodies of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Surfaces {
+    Spheres(TwoSpheres),
+    Wall(SphereOnPlane),
+}
+
+/// What [`super::Dem`] asks of any law: one call per pass, and one per
+/// contact of an observation.
+pub(super) trait CompiledLaw: Debug + Send + Sync {
+    fn clone_box(&self) -> Box<dyn CompiledLaw>;
+    fn name(&self) -> &'static str;
+    /// Numbers per contact in the histories.
+    fn history_length(&self) -> usize;
+    fn cut_off(&self) -> f64;
+    /// Takes the constants of these materials.
+    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial);
+    /// The most that any contact needs, and that one of spheres and that one
+    /// with a wall needs.
+    fn needs(&self) -> Needs;
+    fn pair_needs(&self) -> Needs;
+    fn wall_needs(&self) -> Needs;
+    /// Computes all contact forces; histories follow the last step.
+    fn contact_forces(&self, list: &mut Neighbours, out: &mut Forces, input: Input<'_>);
+    fn stiffness(&self, touch: &Touch) -> Stiffness;
+    fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
+    fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
+    /// See [`ContactLaw::reversed`].
+    fn reverse(&self, history: &mut [f64]);
+}
+
+/// A law and its constants.
+#[derive(Clone, Debug)]
+struct Compiled<L: ContactLaw> {
+    law: L,
+    table: ParameterTable<L>,
+}
+
+/// Compiles a law for these materials.
+pub(super) fn compile<L: ContactLaw>(
+    law: L,
+    spheres: &[Material],
+    wall: &WallMaterial,
+) -> Box<dyn CompiledLaw> {
+    let table = ParameterTable::new(&law, spheres, wall);
+    Box::new(Compiled { law, table })
+}
+
+impl<L: ContactLaw> CompiledLaw for Compiled<L> {
+    fn clone_box(&self) -> Box<dyn CompiledLaw> {
+        Box::new(self.clone())
+    }
+
+    fn name(&self) -> &'static str {
+        self.law.name()
+    }
+
+    fn history_length(&self) -> usize {
+        L::History::LENGTH
+    }
+
+    fn cut_off(&self) -> f64 {
+        self.law.cut_off()
+    }
+
+    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial) {
+        self.table = ParameterTable::new(&self.law, spheres, wall);
+    }
+
+    fn needs(&self) -> Needs {
+        self.table.needs()
+    }
+
+    fn pair_needs(&self) -> Needs {
+        self.table.pair_needs()
+    }
+
+    fn wall_needs(&self) -> Needs {
+        self.table.wall_needs()
+    }
+
+    fn contact_forces(&self, list: &mut Neighbours, out: &mut Forces, input: Input<'_>) {
+        contact_forces(&self.law, &self.table, list, out, input);
+    }
+
+    fn stiffness(&self, touch: &Touch) -> Stiffness {
+        match touch.surfaces {
+            Surfaces::Spheres(radii) => {
+                self.law.stiffness(&self.table.spheres(0, 0), radii, touch.overlap)
+            }
+            Surfaces::Wall(radii) => self.law.stiffness(&self.table.wall(0), radii, touch.overlap),
+        }
+    }
+
+    fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce {
+        let history = L::History::read(history);
+        match touch.surfaces {
+            Surfaces::Spheres(radii) => {
+                self.law.force(&self.table.spheres(0, 0), radii, touch.overlap, &history)
+            }
+            Surfaces::Wall(radii) => {
+                self.law.force(&self.table.wall(0), radii, touch.overlap, &history)
+            }
+        }
+    }
+
+    fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64 {
+        let history = L::History::read(history);
+        match touch.surfaces {
+            Surfaces::Spheres(radii) => {
+                self.law.elastic_energy(&self.table.spheres(0, 0), radii, touch.overlap, &history)
+            }
+            Surfaces::Wall(radii) => {
+                self.law.elastic_energy(&self.table.wall(0), radii, touch.overlap, &history)
+            }
+        }
+    }
+
+    fn reverse(&self, history: &mut [f64]) {
+        self.law.reversed(L::History::read(history)).write(history);
+    }
+}

@@ -1,0 +1,57 @@
+//! The constants that a law takes from materials, by material.
+
+use super::law::{ContactLaw, Needs};
+use super::material::{Material, WallMaterial};
+
+/// The constants of each pair of materials, and of each material on a wall.
+/// Today all spheres are of material 0.
+#[derive(Clone, Debug)]
+pub(super) struct ParameterTable<L: ContactLaw> {
+    materials: usize,
+    spheres: Vec<L::Parameters>,
+    walls: Vec<L::Parameters>,
+    pair_needs: Needs,
+    wall_needs: Needs,
+}
+
+impl<L: ContactLaw> ParameterTable<L> {
+    /// The table of the `materials` of spheres, of which there is one at
+    /// least.
+    pub fn new(law: &L, materials: &[Material], wall: &WallMaterial) -> ParameterTable<L> {
+        let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (a, b)));
+        let spheres: Vec<_> = pairs.map(|(a, b)| law.between_spheres(a, b)).collect();
+        let walls: Vec<_> = materials.iter().map(|a| law.on_wall(a, wall)).collect();
+        let most = |table: &[L::Parameters]| {
+            table.iter().map(|p| law.needs(p)).max().unwrap_or(Needs::Overlap)
+        };
+        let (pair_needs, wall_needs) = (most(&spheres), most(&walls));
+        ParameterTable { materials: materials.len(), spheres, walls, pair_needs, wall_needs }
+    }
+
+    /// Constants of a contact of two spheres of these materials.
+    #[inline]
+    pub fn spheres(&self, first: u16, second: u16) -> L::Parameters {
+        self.spheres[usize::from(first) * self.materials + usize::from(second)]
+    }
+
+    /// Constants of a sphere of this material on a wall.
+    #[inline]
+    pub fn wall(&self, material: u16) -> L::Parameters {
+        self.walls[usize::from(material)]
+    }
+
+    /// The most that any contact needs.
+    pub fn needs(&self) -> Needs {
+        self.pair_needs.max(self.wall_needs)
+    }
+
+    /// The most that a contact of two spheres needs.
+    pub fn pair_needs(&self) -> Needs {
+        self.pair_needs
+    }
+
+    /// The most that a contact with a wall needs.
+    pub fn wall_needs(&self) -> Needs {
+        self.wall_needs
+    }
+}

@@ -1,0 +1,151 @@
+//! The pairs of spheres of one block: those within reach are gathered into
+//! batches, evaluated, and their forces handed to the spheres.
+
+use super::law::vector::dot;
+use super::law::{Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, get, put};
+use super::pass_input::Input;
+use crate::Vec3;
+
+/// Force and torque on the second sphere of a pair that crosses blocks.
+pub(super) type Wrench = [f64; 6];
+
+/// A batch of pairs with the lanes of a law.
+type PairBatch<L> = Batch<SpherePairs, <L as ContactLaw>::History>;
+
+/// A range of pairs of one block, and what they do to its spheres.
+pub(super) struct SpherePairRange<'a> {
+    pub pairs: &'a [[u32; 2]],
+    pub touch: &'a mut [bool],
+    pub history: &'a mut [f64],
+    /// Where the forces on second spheres go if these belong to other blocks.
+    pub sent: Option<&'a mut [Wrench]>,
+    /// Index of the block's first sphere.
+    pub first: usize,
+    /// The block's forces and torques.
+    pub force: &'a mut [Vec3],
+    pub torque: &'a mut [Vec3],
+}
+
+impl SpherePairRange<'_> {
+    /// Evaluates all the pairs.
+    #[inline(always)]
+    pub fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+        &mut self,
+        law: &L,
+        parameters: L::Parameters,
+        (batch, scratch): (&mut PairBatch<L>, &mut L::Scratch),
+        input: &Input<'_>,
+    ) {
+        let cut_off = law.cut_off();
+        let mut next = 0;
+        while next < self.pairs.len() {
+            next = self.collect::<L>(batch, next, input.centre, cut_off);
+            if MOTION {
+                self.load_motion::<L, TORQUES>(batch, input);
+            }
+            for l in batch.lanes() {
+                batch.geometry.measure(l);
+            }
+            law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| parameters);
+            self.scatter::<L, MOTION, TORQUES>(batch);
+        }
+    }
+
+    /// Fills the batch with the next pairs within reach from `next` on;
+    /// returns the first pair not looked at.
+    #[inline(always)]
+    fn collect<L: ContactLaw>(
+        &mut self,
+        batch: &mut PairBatch<L>,
+        mut next: usize,
+        centre: &[[f64; 4]],
+        cut_off: f64,
+    ) -> usize {
+        let mut count = 0;
+        let end = self.pairs.len().min(self.touch.len());
+        while next < end && count < CONTACTS_PER_BATCH {
+            let [i, j] = self.pairs[next];
+            let (a, b) = (centre[i as usize], centre[j as usize]);
+            let apart = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            let distance2 = dot(apart, apart);
+            let reach = (a[3] + b[3]) + cut_off;
+            let touch = distance2 < reach * reach;
+            batch.slot[count] = next as u32;
+            batch.bodies[count] = [i, j];
+            put(&mut batch.geometry.apart, count, apart);
+            batch.geometry.radius[0][count] = a[3];
+            batch.geometry.radius[1][count] = b[3];
+            count += usize::from(touch);
+            if touch != self.touch[next] {
+                self.touch[next] = touch;
+                if !touch {
+                    self.part::<L>(next);
+                }
+            }
+            next += 1;
+        }
+        batch.count = count;
+        next
+    }
+
+    /// Two spheres have lost touch.
+    #[cold]
+    fn part<L: ContactLaw>(&mut self, slot: usize) {
+        self.history[slot * L::History::LENGTH..][..L::History::LENGTH].fill(0.0);
+        if let Some(sent) = &mut self.sent {
+            sent[slot] = [0.0; 6];
+        }
+    }
+
+    #[inline(always)]
+    fn load_motion<L: ContactLaw, const TORQUES: bool>(
+        &self,
+        batch: &mut PairBatch<L>,
+        input: &Input<'_>,
+    ) {
+        let (velocity, spin, history) = (input.velocity, input.spin, &*self.history);
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let [i, j] = batch.bodies[l].map(|k| k as usize);
+            let slot = batch.slot[l] as usize;
+            L::History::load(&mut batch.history, l, &history[slot * L::History::LENGTH..]);
+            put(&mut batch.geometry.velocity, l, (velocity[j] - velocity[i]).into());
+            if TORQUES {
+                put(&mut batch.geometry.spin[0], l, spin[i].into());
+                put(&mut batch.geometry.spin[1], l, spin[j].into());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn scatter<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+        &mut self,
+        batch: &PairBatch<L>,
+    ) {
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let slot = batch.slot[l] as usize;
+            let i = batch.bodies[l][0] as usize - self.first;
+            let force = Vec3::from(get(&batch.force, l));
+            self.force[i] -= force;
+            if MOTION {
+                let to = &mut self.history[slot * L::History::LENGTH..];
+                L::History::store(&batch.history, l, to);
+                if TORQUES {
+                    self.torque[i] += Vec3::from(get(&batch.torque[0], l));
+                }
+            }
+            let torque = if TORQUES { get(&batch.torque[1], l) } else { [0.0; 3] };
+            match &mut self.sent {
+                None => {
+                    let j = batch.bodies[l][1] as usize - self.first;
+                    self.force[j] += force;
+                    if TORQUES {
+                        self.torque[j] += Vec3::from(torque);
+                    }
+                }
+                Some(sent) => {
+                    sent[slot] = [force.x, force.y, force.z, torque[0], torque[1], torque[2]];
+                }
+            }
+        }
+    }
+}

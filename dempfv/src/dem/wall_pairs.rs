@@ -1,0 +1,145 @@
+//! The sphere-wall pairs of one block, gathered, evaluated and handed on as
+//! the pairs of spheres are.
+
+use super::law::{
+    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SpheresOnWalls, get, put,
+};
+use super::neighbours::WallPair;
+use super::pass_input::Input;
+use crate::{PerWall, Vec3, WallId};
+
+/// Sums over the contacts on a wall.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WallSum {
+    /// Force on the wall (N).
+    pub force: Vec3,
+    /// Normal stiffness (N/m).
+    pub stiffness: f64,
+}
+
+/// A batch of spheres on walls with the lanes of a law.
+type WallBatch<L> = Batch<SpheresOnWalls, <L as ContactLaw>::History>;
+
+/// The sphere-wall pairs of one block, and what they do to its spheres.
+pub(super) struct WallPairRange<'a> {
+    pub pairs: &'a [WallPair],
+    pub touch: &'a mut [bool],
+    pub history: &'a mut [f64],
+    /// Index of the block's first sphere.
+    pub first: usize,
+    /// The block's forces and torques.
+    pub force: &'a mut [Vec3],
+    pub torque: &'a mut [Vec3],
+}
+
+impl WallPairRange<'_> {
+    /// Evaluates all the pairs; returns what they do to the walls.
+    #[inline(always)]
+    pub fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+        &mut self,
+        law: &L,
+        parameters: L::Parameters,
+        (batch, scratch): (&mut WallBatch<L>, &mut L::Scratch),
+        input: &Input<'_>,
+    ) -> PerWall<WallSum> {
+        let mut sums = PerWall::default();
+        let cut_off = law.cut_off();
+        let mut next = 0;
+        while next < self.pairs.len() {
+            next = self.collect::<L>(batch, next, input, cut_off);
+            if MOTION {
+                self.load_motion::<L, TORQUES>(batch, input);
+            }
+            law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| parameters);
+            self.scatter::<L, MOTION, TORQUES>(law, &parameters, batch, &mut sums);
+        }
+        sums
+    }
+
+    /// Fills the batch with the next pairs within reach from `next` on;
+    /// returns the first pair not looked at.
+    #[inline(always)]
+    fn collect<L: ContactLaw>(
+        &mut self,
+        batch: &mut WallBatch<L>,
+        mut next: usize,
+        input: &Input<'_>,
+        cut_off: f64,
+    ) -> usize {
+        let mut count = 0;
+        let end = self.pairs.len().min(self.touch.len());
+        while next < end && count < CONTACTS_PER_BATCH {
+            let WallPair { i, wall } = self.pairs[next];
+            let centre = &input.centre[i as usize];
+            let distance = (centre[wall.axis()] - input.walls[wall].position) * wall.inward();
+            let overlap = centre[3] - distance;
+            let touch = overlap > -cut_off;
+            let mut normal = [0.0; 3];
+            normal[wall.axis()] = -wall.inward();
+            batch.slot[count] = next as u32;
+            batch.bodies[count] = [i, wall.index() as u32];
+            batch.geometry.radius[count] = centre[3];
+            batch.geometry.overlap[count] = overlap;
+            put(&mut batch.geometry.normal, count, normal);
+            count += usize::from(touch);
+            if touch != self.touch[next] {
+                self.touch[next] = touch;
+                if !touch {
+                    let length = L::History::LENGTH;
+                    self.history[next * length..][..length].fill(0.0);
+                }
+            }
+            next += 1;
+        }
+        batch.count = count;
+        next
+    }
+
+    #[inline(always)]
+    fn load_motion<L: ContactLaw, const TORQUES: bool>(
+        &self,
+        batch: &mut WallBatch<L>,
+        input: &Input<'_>,
+    ) {
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let (i, wall) = (batch.bodies[l][0] as usize, WallId::ALL[batch.bodies[l][1] as usize]);
+            let slot = batch.slot[l] as usize;
+            L::History::load(&mut batch.history, l, &self.history[slot * L::History::LENGTH..]);
+            // A wall moves along its normal only: it does not slide.
+            let mut velocity = -input.velocity[i];
+            velocity[wall.axis()] += input.walls[wall].velocity;
+            put(&mut batch.geometry.velocity, l, velocity.into());
+            if TORQUES {
+                put(&mut batch.geometry.spin, l, input.spin[i].into());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn scatter<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+        &mut self,
+        law: &L,
+        parameters: &L::Parameters,
+        batch: &WallBatch<L>,
+        sums: &mut PerWall<WallSum>,
+    ) {
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let [i, wall] = batch.bodies[l].map(|k| k as usize);
+            let i = i - self.first;
+            let force = Vec3::from(get(&batch.force, l));
+            self.force[i] -= force;
+            if MOTION {
+                let slot = batch.slot[l] as usize;
+                let to = &mut self.history[slot * L::History::LENGTH..];
+                L::History::store(&batch.history, l, to);
+            }
+            if TORQUES {
+                self.torque[i] += Vec3::from(get(&batch.torque[0], l));
+            }
+            let (radii, overlap) = (batch.geometry.radii(l), batch.geometry.overlap(l));
+            let sum = &mut sums.0[wall];
+            sum.force += force;
+            sum.stiffness += law.stiffness(parameters, radii, overlap).normal;
+        }
+    }
+}
