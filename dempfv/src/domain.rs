@@ -155,8 +155,8 @@ impl<T> PerWall<T> {
     }
 
     /// What a function makes of each value.
-    pub fn map<U>(&self, mut f: impl FnMut(&T) -> U) -> PerWall<U> {
-        PerWall(self.0.each_ref().map(|value| f(value)))
+    pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> PerWall<U> {
+        PerWall(self.0.each_ref().map(f))
     }
 }
 

@@ -10,7 +10,7 @@ use dempfv::{Axis, InputError, Vec3, WallId};
 /// A plan with every kind of stage.
 fn plan() -> Plan {
     let mut fluid = Fluid::default();
-    fluid.fluid.boundary.pressure[WallId::YMax.index()] = Some(0.0);
+    fluid.fluid.boundary.pressure[WallId::YMax] = Some(0.0);
     let stages = [
         StageKind::Compact(Compact::default()),
         StageKind::Cycle(Cycle::default()),
@@ -99,13 +99,16 @@ const MISTAKES: &[Mistake] = &[
         |p| fluid(p).acceleration.on_failure = dempfv::coupling::OnFailure::Retry,
         "`on_failure` in [fluid]",
     ),
-    (|p| fluid(p).fluid.boundary.pressure[3] = Some(f64::NAN), "`y_max` in `pressure` is NaN"),
-    (|p| fluid(p).fluid.boundary.pressure[0] = Some(0.0), "x_min drains across it"),
-    (|p| fluid(p).fluid.boundary.pressure[2] = Some(0.0), "drains at both ends of y"),
+    (
+        |p| fluid(p).fluid.boundary.pressure[WallId::YMax] = Some(f64::NAN),
+        "`y_max` in `pressure` is NaN",
+    ),
+    (|p| fluid(p).fluid.boundary.pressure[WallId::XMin] = Some(0.0), "x_min drains across it"),
+    (|p| fluid(p).fluid.boundary.pressure[WallId::YMin] = Some(0.0), "drains at both ends of y"),
     (
         |p| {
             p.stages.remove(3);
-            fluid(p).fluid.boundary.pressure[3] = None;
+            fluid(p).fluid.boundary.pressure[WallId::YMax] = None;
         },
         "[fluid] has no wall with imposed pressure",
     ),
