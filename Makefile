@@ -25,13 +25,14 @@ DEMO := out/oedometer
 COMPARISON := out/compare-yade
 CONTEST := out/compare-peers
 PAPER := out/paper
+EVERY_STEP := out/every-step
 BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
 WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test package-test memcheck racecheck \
+.PHONY: help build demo test lint vtk-test demo-test docs-test package-test memcheck racecheck \
 	compare compare-test compare-yade yade-test paper every-step cuda cuda-test bundle bench install-packages \
 	install-test-packages install-yade install-memcheck-packages install-peers
 
@@ -49,6 +50,7 @@ demo: build ## Consolidate a saturated packing and compare it with Terzaghi (min
 
 test: install-packages install-test-packages ## Run every test that needs no GPU and no YADE
 	cargo test --workspace --locked
+	cargo test --workspace --locked --no-default-features --test without_evidence
 	tests/vtk_read_back.sh
 
 # Not part of `make test`: other compilers have other lints.
@@ -61,6 +63,10 @@ lint: install-packages
 demo-test: demo install-test-packages
 	python3 tests/check_demo.py $(DEMO)/summary.json
 	tests/vtk_read_back.sh $(DEMO)
+
+# docs.rs has none of the native libraries.
+docs-test: install-packages
+	tests/docs_rs.sh
 
 # The crates are ready to publish: they build from their own packages.
 package-test: install-packages
@@ -103,7 +109,7 @@ racecheck: install-packages ## Look for data races in the hand-over to the backg
 		cargo +nightly test -Zbuild-std --target $(shell rustc -vV | sed -n 's/host: //p') --locked -p dempfv \
 		--test coupling_background --test coupling_failures --test coupling_endurance
 
-paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md (an hour, goes on where it stopped)
+paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md (hours, goes on where it stopped)
 	$(DEMPFV) paper --out $(PAPER)
 	mkdir -p docs/paper
 	rm -f docs/paper/*.png docs/paper/*.csv
@@ -112,10 +118,10 @@ paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md
 	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
 
 every-step: build ## Measure what following the spheres at every step costs and gains; writes docs/every-step.md (half an hour)
-	cargo run --release --locked --example every_step -- out
+	$(DEMPFV) every-step --out $(EVERY_STEP) --force
 	mkdir -p docs/every-step
-	cp out/every-step/*.png out/every-step/*.csv docs/every-step/
-	cp out/every-step.md docs/every-step.md
+	cp $(EVERY_STEP)/every-step/*.png $(EVERY_STEP)/every-step/*.csv docs/every-step/
+	cp $(EVERY_STEP)/every-step.md docs/every-step.md
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda
@@ -136,7 +142,7 @@ bundle: cuda ## Pack the GPU program with its libraries for another machine: out
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
 
 bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
-	cargo bench --locked -p dempfv --bench dem --bench coupled
+	cargo bench --locked -p dempfv-evidence --bench dem --bench coupled
 
 install-packages:
 	@tests/install.sh $(PACKAGES)
@@ -152,7 +158,7 @@ install-peers:
 	@test -x $(CONTEST)/venv/bin/python || /usr/bin/python3 -m venv $(CONTEST)/venv
 	@$(CONTEST)/venv/bin/python -c "import pypardiso" 2>/dev/null || \
 		$(CONTEST)/venv/bin/pip install --quiet --disable-pip-version-check $(PARDISO)
-	cargo build --release --locked --manifest-path benches/peers/faer/Cargo.toml --target-dir target/peers
+	cargo build --release --locked --manifest-path evidence/peers/faer/Cargo.toml --target-dir target/peers
 
 install-memcheck-packages:
 	@tests/install.sh $(MEMCHECK_PACKAGES)

@@ -1,4 +1,5 @@
-//! Compiles the shim against the installed CGAL headers.
+//! Compiles the shim against the installed CGAL headers. Where docs.rs builds the
+//! documentation there are none, and nothing is linked.
 
 use std::path::{Path, PathBuf};
 use std::process::exit;
@@ -7,6 +8,11 @@ fn main() {
     println!("cargo::rerun-if-changed=src/shim.h");
     println!("cargo::rerun-if-changed=src/shim.cc");
     println!("cargo::rerun-if-env-changed=CGAL_INCLUDE_DIR");
+    println!("cargo::rerun-if-env-changed=DOCS_RS");
+    if std::env::var_os("DOCS_RS").is_some() {
+        println!("cargo::rustc-env=CGAL_SYS_VERSION=unknown");
+        return;
+    }
     let include = find_headers();
     let version = read_version(&include.join("CGAL/version.h"));
     println!("cargo::rustc-env=CGAL_SYS_VERSION={version}");

@@ -5,7 +5,7 @@
 #![warn(missing_docs)]
 
 mod commands;
-mod report;
+mod evidence;
 
 use std::io::{self, Write};
 use std::process::ExitCode;

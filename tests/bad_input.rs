@@ -275,6 +275,26 @@ const FAULTS: &[Fault] = &[
     ),
     ("kind = \"compact\"", "stress = 2.0", 25, &["TOML", "duplicate key"]),
     ("kind = \"compact\"", "", 23, &["a [[stage]] has no `kind`", "one of compact"]),
+    // Mechanics of a stage.
+    ("stress = 1.0e4\n", "stress = 1.0e4\ndt = 0.0\n", 26, &["`dt` in a compact stage is 0.0"]),
+    ("steps = 10\n", "steps = 10\ndamping = 1.0\n", 43, &["`damping` in a run stage", "below 1"]),
+    (
+        "axis = \"y\"\n",
+        "axis = \"y\"\ndt = 1.0\n",
+        34,
+        &["unknown key `dt` in a permeability stage", "it belongs in [dem]"],
+    ),
+    // What is right, but for how it is written.
+    ("steps = 10\n", "steps = 1e3\n", 42, &["`steps` in a run stage is 1e3", "as 1000, without"]),
+    ("seed = 1", "seed = 2.0", 2, &["`seed` is 2.0", "write the whole number as 2,"]),
+    ("viscosity = 1.0e-3", "viscosity = .001", 18, &["not TOML", "write the number as 0.001"]),
+    ("\"cholmod\"", "cholmod", 20, &["not TOML", "put the text in quotes: \"cholmod\""]),
+    (
+        "density = 2600.0",
+        "packing = ../a.txt",
+        8,
+        &["not TOML", "put the text in quotes: \"../a.txt\""],
+    ),
     // Not TOML.
     ("seed = 1", "seed = ", 2, &["not TOML", "correct the syntax"]),
     ("[fluid]", "[fluid", 17, &["not TOML"]),
@@ -436,7 +456,7 @@ fn json_goes_where_it_was_sent() {
     let in_file = fs::read_to_string(folder.0.join("report.json")).unwrap();
     let in_file: serde_json::Value = serde_json::from_str(&in_file).unwrap();
     assert_eq!(on_stdout, in_file);
-    assert_eq!(in_file["effects_on"][0], "contacts");
+    assert_eq!(in_file["effects"]["on"][0], "contacts");
     assert_eq!(in_file["estimate"]["spheres"], 100);
     assert_eq!(folder.files(), ["report.json", "scene.toml"]);
 }

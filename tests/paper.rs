@@ -44,7 +44,7 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     let first = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert!(first.status.success(), "{}", error(&first));
     assert_page_is_complete(&folder);
-    assert_eq!(column(&folder, "mode"), ["one-core", "all-cores"]);
+    assert_eq!(column(&folder, "mode"), ["one-core", "all-cores", "cholmod"]);
     // The promise of equal bits on one core and on two.
     let hashes = column(&folder, "state_hash");
     assert!(!hashes[0].is_empty() && hashes[0] == hashes[1], "{hashes:?}");
@@ -55,7 +55,7 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     let second = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert!(second.status.success(), "{}", error(&second));
     assert_eq!(folder.read("p/points/run-1000-one-core.json"), kept);
-    assert_eq!(column(&folder, "mode"), ["one-core", "all-cores"]);
+    assert_eq!(column(&folder, "mode"), ["one-core", "all-cores", "cholmod"]);
 
     // What another machine has measured on its GPU gets its column, unless no GPU worked.
     std::fs::create_dir_all(folder.0.join("p/gpu")).unwrap();
@@ -76,8 +76,8 @@ fn points_are_kept_and_only_what_is_missing_is_measured() {
     file(&with_gpu);
     let third = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2"]);
     assert!(third.status.success(), "{}", error(&third));
-    assert_eq!(column(&folder, "device"), ["cpu", "cpu", "H1", "cpu beside H1"]);
-    assert!(folder.read("p/paper.md").contains("| 1 core | 2 cores | H1 |"));
+    assert_eq!(column(&folder, "device"), ["cpu", "cpu", "cpu", "H1", "cpu beside H1"]);
+    assert!(folder.read("p/paper.md").contains("| 1 core | 2 cores | CHOLMOD, 1 core | H1 |"));
 
     // Force measures again: the same bits in another time.
     let again = paper(&folder, &["--figure", "10", "--sizes", "1000", "--threads", "2", "--force"]);

@@ -185,6 +185,32 @@ fn a_network_can_be_checked_by_its_reader() {
     assert!((0.3..0.5).contains(&number(&n["porosity"])));
 }
 
+/// A network is shown, and written where it is asked for only; a large file is announced
+/// with its size.
+#[test]
+fn a_network_is_written_where_it_is_asked_for() {
+    let folder = Folder::new("network-files");
+    let (small, large) = (packing("oedometer-1000.txt"), packing("oedometer-5000.txt"));
+    let shown = folder.done(&["network", &small]);
+    assert!(shown.contains("permeability") && !shown.contains("written"), "{shown}");
+    assert!(folder.files().is_empty());
+
+    folder.done(&["network", &small, "--out", "n"]);
+    assert!(folder.json("n/network.json")["cells"].is_array());
+    let again = folder.dempfv(&["network", &small, "--out", "n"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(error(&again).contains("--force"), "{}", error(&again));
+
+    let quiet = folder.dempfv(&["network", &small, "--json", "small.json"]);
+    assert_eq!(error(&quiet), "");
+    let output = folder.dempfv(&["network", &large, "--json", "large.json"]);
+    let told: f64 =
+        error(&output).split_whitespace().find_map(|word| word.parse().ok()).expect("a number");
+    assert!(error(&output).trim_end().ends_with("MB"), "{}", error(&output));
+    let size = std::fs::metadata(folder.0.join("large.json")).unwrap().len() as f64;
+    assert!((1e6 * told / size - 1.0).abs() < 0.1, "{told} MB, {size} bytes");
+}
+
 /// The options of `network` reach the flow: fluxes go with 1/viscosity, walls
 /// that do not slip slow the fluid, YADE's clamp gives YADE's flux.
 #[test]

@@ -20,11 +20,11 @@ fn oedometer_is_the_twin_of_yades() {
     let solid = 1000.0 * cloud.sizes.mean_volume();
     assert!((solid - 0.05).abs() < 1e-12, "porosity {}", 1.0 - solid);
     assert!((cloud.sizes.largest() / cloud.sizes.smallest() - 1.3333 / 0.6667).abs() < 1e-9);
-    assert!((plan.particles.friction_angle.to_degrees() - 30.0).abs() < 1e-12);
-    assert_eq!(plan.walls.friction_angle, 0.0);
-    assert_eq!(plan.walls.young, 1e6);
+    assert!((plan.particles.material.friction_angle.to_degrees() - 30.0).abs() < 1e-12);
+    assert_eq!(plan.walls.material.friction_angle, 0.0);
+    assert_eq!(plan.walls.material.young, 1e6);
     let fluid = plan.fluid.as_ref().unwrap();
-    assert_eq!(fluid.viscosity, 10.0);
+    assert_eq!(fluid.fluid.viscosity, 10.0);
     assert_eq!(fluid.pressure_walls().collect::<Vec<_>>(), [(WallId::YMax, 0.0)]);
     assert_eq!(plan.dem.as_ref().unwrap().dt, TimeStep::Fixed(1e-4));
     let kinds: Vec<_> = plan.stages.iter().map(|s| s.kind.name()).collect();
@@ -42,7 +42,7 @@ fn caulk2020_has_the_papers_settings() {
     assert!(path.ends_with("packings/oedometer-5000.txt"));
     assert_eq!(plan.bounds, None);
     let fluid = plan.fluid.as_ref().unwrap();
-    assert_eq!((fluid.viscosity, fluid.remesh_interval), (1e-3, Some(200)));
+    assert_eq!((fluid.fluid.viscosity, fluid.remesh.interval), (1e-3, Some(200)));
     let [Stage { kind: StageKind::Run(run), .. }] = plan.stages.as_slice() else {
         panic!("one run stage")
     };
@@ -50,10 +50,10 @@ fn caulk2020_has_the_papers_settings() {
     assert!(run.fluid);
     for wall in WallId::ALL {
         let expected = match wall {
-            WallId::YMax => WallControl::Stress { stress: 1e3, max_velocity: 1.0 },
+            WallId::YMax => WallControl::Servo { stress: 1e3, max_velocity: 1.0 },
             _ => WallControl::Fixed,
         };
-        assert_eq!(run.walls[wall.index()], expected, "{wall}");
+        assert_eq!(run.walls[wall], expected, "{wall}");
     }
 }
 
@@ -75,6 +75,6 @@ fn dry_triaxial_has_no_fluid() {
     assert!(plan.fluid.is_none());
     let StageKind::Run(run) = &plan.stages[1].kind else { panic!("no run stage") };
     assert!(!run.fluid);
-    assert_eq!(run.walls[WallId::YMax.index()], WallControl::Velocity { velocity: -0.01 });
+    assert_eq!(run.walls[WallId::YMax], WallControl::Velocity(-0.01));
     assert!(matches!(run.until, Until::Strain { strain: 0.15, axis: Axis::Y, .. }));
 }

@@ -1,7 +1,7 @@
 //! What YADE computed for two small loadings, and what our program makes of them.
 //!
 //! The references name the version of YADE; `dempfv compare yade --write-reference
-//! tests/reference` writes them anew. Each holds two courses: YADE as it is, and YADE
+//! evidence/tests/reference` writes them anew. Each holds two courses: YADE as it is, and YADE
 //! with its two known deviations taken out (the factor on the slip of contacts, the push
 //! of corner pores that it leaves out).
 
@@ -28,7 +28,7 @@ struct Gap {
 }
 
 fn reference(name: &str) -> Value {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("evidence/tests/reference");
     let text = std::fs::read_to_string(folder.join(name)).unwrap();
     serde_json::from_str(&text).unwrap()
 }
@@ -36,7 +36,8 @@ fn reference(name: &str) -> Value {
 /// Carries out the reference's scene; returns its history, column by column.
 fn ours(name: &str, reference: &Value) -> impl Fn(&str, u64) -> f64 {
     let folder = Folder::new(name);
-    let packing = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/loading-200.txt");
+    let packing =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("evidence/tests/reference/loading-200.txt");
     std::fs::copy(packing, folder.0.join("loading-200.txt")).unwrap();
     folder.write("scene.toml", reference["scene"].as_str().unwrap());
     folder.done(&["run", "scene.toml", "--out", "out"]);

@@ -1,14 +1,13 @@
 //! Orders the network of a packing by minimum cuts and by METIS, and tells what each
-//! takes and fills in: `cargo run --release --example ordering -- PACKING [MOVE]`. With
-//! MOVE, the spheres are then moved by up to so many radii and the dissection follows.
+//! takes and fills in: `cargo run --release --example ordering -- PACKING`.
 
 use std::time::{Duration, Instant};
 
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Clamp, Fluid, Network, Operators};
-use dempfv::solver::ordering::{Ordering, factor_entries, order};
+use dempfv::solver::ordering::order;
 use dempfv::solver::{Analysis, SolverKind, SymmetricCsc};
-use dempfv::{Error, InputError, Result, Vec3, WallId};
+use dempfv::{Error, InputError, Result, WallId};
 
 type Points = Vec<[f64; 3]>;
 
@@ -17,26 +16,15 @@ const TIMES: usize = 3;
 
 fn main() -> Result<()> {
     let mut args = std::env::args().skip(1);
-    let usage = || InputError::new("no packing", "give a packing file, and how far to move");
+    let usage = || InputError::new("no packing", "give a packing file");
     let packing = Packing::read(args.next().ok_or_else(usage)?.as_ref())?;
-    let part: Option<f64> = args.next().and_then(|text| text.parse().ok());
-    let (a, points) = system(&packing, 0.0)?;
+    let (a, points) = system(&packing)?;
     println!("{} unknowns, {} entries, threads {}", a.n, a.nnz(), rayon::current_num_threads());
     let metis = analyze("METIS", &a, None)?;
     let cuts = analyze("minimum cuts", &a, Some(&points))?;
     let (time, _) = best(|| order(&a, &points));
     println!("of which the ordering {:.4} s", time.as_secs_f64());
     compare(cuts, metis);
-    if let Some(part) = part {
-        let before = Ordering::new(&a, &points);
-        let (a, points) = system(&packing, part)?;
-        println!("moved by up to {part} radii: {} unknowns", a.n);
-        let metis = analyze("METIS", &a, None)?;
-        let (time, after) = best(|| before.follow(&a, &points));
-        let nnz_l = factor_entries(&a, after.permutation());
-        let (time, nnz) = (time.as_secs_f64(), nnz_l as f64 / metis.nnz_l as f64);
-        println!("carried over   ordering {time:.4} s, nnz(L) {nnz_l}, {nnz:.4} of METIS's");
-    }
     Ok(())
 }
 
@@ -50,22 +38,15 @@ fn best<T>(run: impl Fn() -> T) -> (Duration, T) {
     (1..TIMES).map(|_| once()).fold(first, |a, b| if b.0 < a.0 { b } else { a })
 }
 
-/// The matrix of a packing whose top is drained, and the pores' centres, with every
-/// sphere moved by up to a part of its radius.
-fn system(packing: &Packing, part: f64) -> Result<(SymmetricCsc, Points)> {
+/// The matrix of a packing whose top is drained, and the pores' centres.
+fn system(packing: &Packing) -> Result<(SymmetricCsc, Points)> {
     let bounds = packing
         .bounds_or_tight()
         .ok_or_else(|| InputError::new("no spheres", "give another packing"))?;
     let mut boundary = Boundary::default();
     boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
-    // Steps without a pattern, the same every time.
-    let step = |k: usize, r: f64| part * r * (2.0 * (k as f64 * 0.618_034).fract() - 1.0);
-    let spheres = packing.position.iter().zip(&packing.radius).enumerate();
-    let moved = spheres
-        .map(|(k, (x, &r))| x + Vec3::new(step(3 * k, r), step(3 * k + 1, r), step(3 * k + 2, r)));
-    let x: Vec<Vec3> = moved.collect();
-    let (network, derivatives) = Network::new(&x, &packing.radius, bounds, &fluid)?;
+    let (network, derivatives) = Network::new(&packing.position, &packing.radius, bounds, &fluid)?;
     let operators = Operators::new(&network, derivatives, fluid.boundary)?;
     let points = operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
     Ok((operators.matrix, points))

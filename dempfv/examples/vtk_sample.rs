@@ -45,7 +45,7 @@ fn write_spheres(path: &Path, time: f64) -> Result<()> {
         force: &force,
         id: &id,
     };
-    vtk::write_spheres(path, &frame)
+    Ok(vtk::write_spheres(path, &frame)?)
 }
 
 /// Block `i` is a unit cube at (3i, 0, 0) with its top stretched to height
@@ -76,5 +76,5 @@ fn write_pores(path: &Path, time: f64) -> Result<()> {
         pressure.extend([0, 1, 2].map(|k| 1000.0 * f64::from(3 * i + k) / 7.0 + time));
     }
     cells.orient(&points);
-    vtk::write_cells(path, &points, &cells, &[("pressure", &pressure), ("volume", &volume)])
+    Ok(vtk::write_cells(path, &points, &cells, &[("pressure", &pressure), ("volume", &volume)])?)
 }

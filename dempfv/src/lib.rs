@@ -5,13 +5,16 @@ pub mod coupling;
 pub mod dem;
 mod domain;
 mod error;
+mod input;
 pub mod io;
 mod parallel;
 pub mod pfv;
 pub mod scene;
 pub mod simulation;
 pub mod solver;
+mod stage_error;
 pub mod theory;
 
 pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};
-pub use error::{Error, InputError, Result};
+pub use error::{Error, Result};
+pub use input::InputError;

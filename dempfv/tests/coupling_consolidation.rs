@@ -100,7 +100,7 @@ fn a_load_may_rest_on_fluid() {
 fn the_settlement_is_the_volume_drained() {
     let mut simulation = start(&oedometer(150, 0.1));
     advance_to(&mut simulation, "consolidate");
-    let area = simulation.coupled().dem.box_().wall_area(WallId::YMax);
+    let area = simulation.coupled().dem().box_().wall_area(WallId::YMax);
     let start = simulation.observe().size[1];
     let (mut drained, mut settlement, mut steps) = (0.0, 0.0, 0);
     while simulation.stage().is_some() {

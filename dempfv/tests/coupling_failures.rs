@@ -9,15 +9,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
+use dempfv::Error;
 use dempfv::coupling::{Acceleration, OnFailure, RemeshMode};
 use dempfv::coupling::{
-    Coupled, CouplingError, NetworkBuilder, Order, RemeshRule, StandardBuilder,
+    Coupled, CouplingError, NetworkBuilder, NetworkRequest, RemeshRule, StandardBuilder,
 };
-use dempfv::dem::{Dem, DemOptions};
-use dempfv::pfv::{Flow, PfvError};
+use dempfv::pfv::Flow;
 use dempfv::solver::SolverError;
-use dempfv::{Error, Result};
-use moving::{DT, bits, course, drained, every, mode, moving};
+use moving::{DT, bits, course, every, mode, moving};
 
 use RemeshMode::{Ahead, AtOnce, Background};
 
@@ -43,7 +42,11 @@ impl Faulty {
 }
 
 impl NetworkBuilder for Faulty {
-    fn build(&self, mut order: Order, cancelled: &AtomicBool) -> Result<Option<Flow>> {
+    fn build(
+        &self,
+        mut request: NetworkRequest,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<Flow>, CouplingError> {
         match (self.fault)(self.builds.fetch_add(1, Ordering::SeqCst)) {
             Some(Fault::NotPositiveDefinite) => {
                 return Err(SolverError::NotPositiveDefinite { column: 17 }.into());
@@ -53,10 +56,10 @@ impl NetworkBuilder for Faulty {
             }
             Some(Fault::GivesUp) => return Ok(None),
             Some(Fault::Panic) => panic!("on purpose"),
-            Some(Fault::NotFinite) => order.fluid.viscosity = f64::NAN,
+            Some(Fault::NotFinite) => request.fluid.viscosity = f64::NAN,
             None => {}
         }
-        StandardBuilder.build(order, cancelled)
+        StandardBuilder.build(request, cancelled)
     }
 }
 
@@ -66,10 +69,14 @@ struct Endless {
 }
 
 impl NetworkBuilder for Endless {
-    fn build(&self, order: Order, cancelled: &AtomicBool) -> Result<Option<Flow>> {
+    fn build(
+        &self,
+        request: NetworkRequest,
+        cancelled: &AtomicBool,
+    ) -> Result<Option<Flow>, CouplingError> {
         // The first network, in the foreground, is needed.
         if !self.begun.swap(true, Ordering::SeqCst) {
-            return StandardBuilder.build(order, cancelled);
+            return StandardBuilder.build(request, cancelled);
         }
         while !cancelled.load(Ordering::Relaxed) {
             std::thread::sleep(Duration::from_millis(1));
@@ -82,13 +89,8 @@ fn retrying(remesh: RemeshMode) -> Acceleration {
     Acceleration { on_failure: OnFailure::Retry, ..mode(remesh) }
 }
 
-fn restored(from: &Coupled, acceleration: Acceleration) -> Coupled {
-    let (material, walls) = (*from.dem.material(), *from.dem.wall_material());
-    let dem = Dem::from_state(from.dem.state(), material, walls, DemOptions::default()).unwrap();
-    let mut again = Coupled::new(dem);
-    again.accelerate(acceleration);
-    again.restore_fluid(drained(1.0, every(10)), from.fluid_state().unwrap()).unwrap();
-    again
+fn restored(from: &Coupled) -> Coupled {
+    Coupled::from_state(from.state()).unwrap()
 }
 
 /// The third network is that of the positions at step 15 and is due at step 20.
@@ -112,25 +114,22 @@ fn a_failure_stops_with_its_cause_and_its_step() {
             coupled.build_with(Faulty::new(fault));
             course(&mut coupled, 20, DT);
             let error = coupled.step(DT).unwrap_err();
-            let Error::Snapshot { step: 15, source } = &error else { panic!("{error:?}") };
+            let CouplingError::Snapshot { step: 15, source } = &error else { panic!("{error:?}") };
             match (kind, &**source) {
-                (Fault::NotPositiveDefinite, Error::Pfv(PfvError::Solver(e))) => {
+                (Fault::NotPositiveDefinite, CouplingError::Solver(e)) => {
                     assert_eq!(e, &SolverError::NotPositiveDefinite { column: 17 });
                 }
-                (
-                    Fault::OutOfMemory,
-                    Error::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. })),
-                )
-                | (Fault::NotFinite, Error::Pfv(_)) => {}
-                (Fault::Panic, Error::Coupling(CouplingError::WorkerPanicked { what })) => {
+                (Fault::OutOfMemory, CouplingError::Solver(SolverError::OutOfMemory { .. }))
+                | (Fault::NotFinite, CouplingError::Pfv(_)) => {}
+                (Fault::Panic, CouplingError::WorkerPanicked { what }) => {
                     assert_eq!(what, "on purpose");
                 }
-                (Fault::GivesUp, Error::Coupling(CouplingError::NoNetwork)) => {}
+                (Fault::GivesUp, CouplingError::NoNetwork) => {}
                 (_, other) => panic!("{kind:?}: {other:?}"),
             }
             assert!(error.to_string().contains("step 15"), "{error}");
-            assert!(!error.is_input());
-            let mut again = restored(&coupled, mode(remesh));
+            assert!(!Error::from(error).is_input());
+            let mut again = restored(&coupled);
             assert!(course(&mut again, 30, DT) == expected[20..], "{remesh:?}, {kind:?}");
             assert!(course(&mut coupled, 30, DT) == expected[20..], "{remesh:?}, {kind:?}");
         }
@@ -146,11 +145,8 @@ fn a_failure_at_once_leaves_a_state_to_go_on_from() {
     coupled.build_with(Faulty::new(|k| (k == 2).then_some(Fault::OutOfMemory)));
     course(&mut coupled, 20, DT);
     let error = coupled.step(DT).unwrap_err();
-    assert!(
-        matches!(error, Error::Pfv(PfvError::Solver(SolverError::OutOfMemory { .. }))),
-        "{error:?}"
-    );
-    let mut again = restored(&coupled, mode(AtOnce));
+    assert!(matches!(error, CouplingError::Solver(SolverError::OutOfMemory { .. })), "{error:?}");
+    let mut again = restored(&coupled);
     assert!(course(&mut again, 30, DT) == expected[20..]);
     assert!(course(&mut coupled, 30, DT) == expected[20..]);
 }
@@ -214,7 +210,7 @@ fn the_first_network_must_succeed() {
     let mut coupled = moving(3, every(5), retrying(Background));
     coupled.build_with(Faulty::new(|k| (k == 0).then_some(Fault::Panic)));
     let error = coupled.step(DT).unwrap_err();
-    assert!(matches!(error, Error::Coupling(CouplingError::WorkerPanicked { .. })), "{error:?}");
+    assert!(matches!(error, CouplingError::WorkerPanicked { .. }), "{error:?}");
     coupled.step(DT).unwrap();
     assert_eq!(coupled.remeshes(), 1);
 }

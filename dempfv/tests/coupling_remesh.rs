@@ -67,9 +67,9 @@ fn the_rule_remeshes_when_it_should() {
         }
         assert_eq!(coupled.remeshes(), expected, "{remesh:?}");
         // The premise: everything has moved as it was told to.
-        let lost = 1.0 - coupled.dem.box_().size().y / 5.0;
+        let lost = 1.0 - coupled.dem().box_().size().y / 5.0;
         assert!((lost - 0.0101).abs() < 1e-10, "{lost}");
-        assert_eq!(coupled.dem.sphere_contact_count(), 0);
+        assert_eq!(coupled.dem().sphere_contact_count(), 0);
     }
 }
 
@@ -134,15 +134,15 @@ fn a_hidden_sphere_still_carries_contacts() {
     }
     let mut coupled = Coupled::new(dem);
     coupled.saturate(saturation(RemeshRule { interval: Some(5), strain: None }));
-    let id = coupled.dem.particles().id.clone();
+    let id = coupled.dem().particles().id.clone();
     let at = id.iter().position(|&i| i == hidden).unwrap();
-    let before = coupled.dem.particles().position[at];
+    let before = coupled.dem().particles().position[at];
     for step in 0..20 {
         coupled.step(1e-5).unwrap();
         let flow = coupled.flow().unwrap();
         assert_eq!(flow.network().tessellation.hidden, [at as u32], "step {step}");
         assert_eq!(flow.force()[at], Vec3::zeros());
-        let touching = coupled.dem.contacts().filter(|c| {
+        let touching = coupled.dem().contacts().filter(|c| {
             let other = match c.partner {
                 dempfv::dem::Partner::Sphere(j) => j,
                 dempfv::dem::Partner::Wall(_) => u32::MAX,
@@ -151,6 +151,6 @@ fn a_hidden_sphere_still_carries_contacts() {
         });
         assert!(touching.count() == 2, "step {step}");
     }
-    assert!(coupled.dem.forces()[at].norm() > 0.0);
-    assert!(coupled.dem.particles().position[at] != before);
+    assert!(coupled.dem().forces()[at].norm() > 0.0);
+    assert!(coupled.dem().particles().position[at] != before);
 }

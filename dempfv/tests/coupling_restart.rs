@@ -6,8 +6,9 @@ mod coupling_support;
 use std::path::PathBuf;
 
 use coupling_support::{COMPACT, MEASURE, advance, finish, plan, scene, start};
+use dempfv::coupling::Observation;
 use dempfv::io::checkpoint;
-use dempfv::simulation::{Simulation, State};
+use dempfv::simulation::{Simulation, SimulationState};
 
 /// Every kind of stage; the last shears the box with moving walls.
 fn all_stages(remesh: &str) -> String {
@@ -46,8 +47,8 @@ fn course(simulation: &mut Simulation) -> Vec<(u64, String)> {
     }
 }
 
-/// States by stage name; step and hash after each step; the finished simulation.
-type Course = (Vec<(String, State)>, Vec<(u64, String)>, Simulation);
+/// States by stage name, with what could be observed; step and hash after each step; the finished simulation.
+type Course = (Vec<(String, SimulationState, Observation)>, Vec<(u64, String)>, Simulation);
 
 /// States at the start of each stage and 60 and 61 steps into it, and the course.
 fn with_states(text: &str) -> Course {
@@ -58,10 +59,11 @@ fn with_states(text: &str) -> Course {
     while let Some(now) = simulation.stage() {
         if now.name != stage {
             stage = now.name.clone();
-            states.push((format!("start of {stage}"), simulation.state()));
+            let at = format!("start of {stage}");
+            states.push((at, simulation.state(), simulation.observe()));
         } else if [60, 61].contains(&simulation.stage_steps()) {
-            states
-                .push((format!("{stage}, step {}", simulation.stage_steps()), simulation.state()));
+            let at = format!("{stage}, step {}", simulation.stage_steps());
+            states.push((at, simulation.state(), simulation.observe()));
         }
         simulation.advance().unwrap();
         if simulation.step().is_multiple_of(25) || simulation.stage().is_none() {
@@ -76,7 +78,8 @@ fn temporary(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("dempfv-coupling-{}-{name}", std::process::id()))
 }
 
-/// N steps, a checkpoint on disk, and M more are N + M steps, bit for bit: at
+/// N steps, a checkpoint on disk, and M more are N + M steps, bit for bit, and
+/// what can be observed right after the restart is what could be before: at
 /// the start and in the middle of every kind of stage, with both remesh rules and with a network
 /// on its way.
 #[test]
@@ -99,12 +102,13 @@ fn a_restart_changes_no_bit() {
         let (states, expected, end) = with_states(&text);
         assert!(states.len() >= 13, "{} states", states.len());
         let file = temporary(name);
-        for (at, state) in states {
+        for (at, state, observed) in states {
             checkpoint::save(&file, &state).unwrap();
-            let read: State = checkpoint::load(&file).unwrap();
+            let read: SimulationState = checkpoint::load(&file).unwrap();
             assert!(read == state, "{name}, {at}");
             let from = read.step();
             let mut simulation = Simulation::restart(plan(&text), read).unwrap();
+            assert_eq!(simulation.observe(), observed, "{name}, {at}");
             let seen = course(&mut simulation);
             let due: Vec<_> = expected.iter().filter(|(step, _)| *step > from).cloned().collect();
             let seen: Vec<_> = seen.into_iter().filter(|(step, _)| *step > from).collect();

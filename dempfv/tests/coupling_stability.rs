@@ -9,7 +9,7 @@ use dempfv::coupling::{Coupled, RemeshRule, Saturation, TimeStepRule};
 use dempfv::dem::{Dem, DemOptions, Material, Particles, WallControl, WallMaterial};
 use dempfv::io::checkpoint;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
-use dempfv::simulation::{Simulation, Stability, State};
+use dempfv::simulation::{Simulation, SimulationState, Stability};
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 
@@ -57,22 +57,22 @@ enum Kick {
 /// The kinetic energy `steps` steps after a kick, over that of the kick.
 fn growth(mut coupled: Coupled, kick: Kick, dt: f64, steps: usize) -> f64 {
     let mode = coupled.viscous_mode().map(|m| m.shape.clone()).unwrap_or_default();
-    let mass = coupled.dem.particles().mass.clone();
+    let mass = coupled.dem().particles().mass.clone();
     let total: f64 = mass.iter().sum();
     let mut random = Random(5);
-    for (i, v) in coupled.dem.velocities_mut().0.iter_mut().enumerate() {
+    for (i, v) in coupled.controls().velocities_mut().0.iter_mut().enumerate() {
         *v = match kick {
             Kick::Random(speed) => speed * random.vector(),
             Kick::Mode => 1e-3 * (total / mass[i]).sqrt() * mode[i],
         };
     }
-    let before = coupled.dem.kinetic_energy();
+    let before = coupled.dem().kinetic_energy();
     for _ in 0..steps {
         if coupled.step(dt).is_err() {
             return f64::INFINITY;
         }
     }
-    coupled.dem.kinetic_energy() / before
+    coupled.dem().kinetic_energy() / before
 }
 
 /// The promise: 5 % above the bound the fastest mode grows, by 1.03 a step at
@@ -114,9 +114,11 @@ fn a_wall_held_by_a_servo_lowers_the_bound() {
     let packing = settled();
     let held = || {
         let mut coupled = saturated(&packing, SYRUP, 0.0);
-        let control =
-            WallControl::Servo { stress: coupled.dem.wall_stress(WallId::YMin), max_velocity: 1e6 };
-        coupled.dem.set_control(WallId::YMin, control).unwrap();
+        let control = WallControl::Servo {
+            stress: coupled.dem().wall_stress(WallId::YMin),
+            max_velocity: 1e6,
+        };
+        coupled.controls().set_control(WallId::YMin, control).unwrap();
         coupled
     };
     let fixed = || saturated(&packing, SYRUP, 0.0);
@@ -256,7 +258,7 @@ fn equation_a11_may_lie_on_either_side() {
 fn the_automatic_step_follows_the_network_and_survives_a_restart() {
     let text = packed("spread = 0.0", 1e4);
     let mut simulation = start(&text);
-    let mut saved: Vec<State> = vec![];
+    let mut saved: Vec<SimulationState> = vec![];
     let mut steps = vec![];
     while simulation.stage().is_some() {
         let wet = simulation.outcomes().len() == 1;
@@ -271,14 +273,14 @@ fn the_automatic_step_follows_the_network_and_survives_a_restart() {
             steps.push(simulation.dt());
         }
     }
-    assert!(simulation.coupled().dem.kinetic_energy() < 1.0, "it blew up");
+    assert!(simulation.coupled().dem().kinetic_energy() < 1.0, "it blew up");
     steps.dedup();
     assert_eq!(steps.len(), 10, "one step for each network");
     let end = simulation.state_hash();
     let file = std::env::temp_dir().join(format!("dempfv-stability-{}", std::process::id()));
     for state in saved {
         checkpoint::save(&file, &state).unwrap();
-        let read: State = checkpoint::load(&file).unwrap();
+        let read: SimulationState = checkpoint::load(&file).unwrap();
         let at = read.step();
         let mut again = Simulation::restart(plan(&text), read).unwrap();
         while again.advance().unwrap() {}
@@ -293,7 +295,7 @@ fn remeshed(keys: &str) -> String {
 }
 
 /// The state before the first coupled step.
-fn compacted(text: &str) -> State {
+fn compacted(text: &str) -> SimulationState {
     let mut simulation = start(text);
     while simulation.outcomes().is_empty() {
         simulation.advance().unwrap();
@@ -310,7 +312,7 @@ fn the_automatic_step_follows_networks_from_the_background() {
     let all = "remesh_interval = 20\nremesh = \"background\"\nparallel_tasks = true";
     let ahead = "remesh_interval = 20\nremesh = \"ahead\"";
     let begin = compacted(&remeshed(all));
-    let course = |keys: &str, from: State, threads: usize| {
+    let course = |keys: &str, from: SimulationState, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut simulation = Simulation::restart(plan(&remeshed(keys)), from).unwrap();

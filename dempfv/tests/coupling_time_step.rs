@@ -45,6 +45,7 @@ fn a_timed_stage_does_its_steps_whatever_came_before() {
         stress = 1e4
         unbalanced = 0.05
         tolerance = 0.05
+        dt = "auto"
         [[stage]]
         kind = "run"
         time = 1e-5

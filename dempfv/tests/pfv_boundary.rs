@@ -169,7 +169,8 @@ fn any_backend_serves() {
     let s = cubic(5, 0.1);
     let fluid = fluid(&[(WallId::YMin, 1.0), (WallId::YMax, 0.0)]);
     let counting = Arc::new(Counting::default());
-    let mut own = Flow::new(&s.x, &s.r, s.bounds, &fluid, Arc::clone(&counting)).unwrap();
+    let mut own =
+        Flow::new(&s.x, &s.r, s.bounds, &fluid, Arc::clone(&counting) as Arc<dyn Backend>).unwrap();
     let mut cholmod = Flow::new(&s.x, &s.r, s.bounds, &fluid, SolverKind::Cholmod).unwrap();
     own.solve_static().unwrap();
     cholmod.solve_static().unwrap();

@@ -52,8 +52,8 @@ fn other_conductances_take_no_second_analysis() {
         assert!(again.analysis_reused());
         let mut anew = flow(&s, 2e-3);
         let nothing = anew.extrapolation().clone();
-        again.restore_pressures(&nothing);
-        anew.restore_pressures(&nothing);
+        again.restore_pressures(&nothing, &[]);
+        anew.restore_pressures(&nothing, &[]);
         again.solve_static().unwrap();
         anew.solve_static().unwrap();
         assert!(bits(again.pressure()) == bits(anew.pressure()));
@@ -159,7 +159,7 @@ fn a_packing_at_rest_is_analyzed_once() {
         let counts = coupled.remesh_counts();
         assert_eq!((counts.networks, counts.analyses), (11, expected), "{remesh:?}");
         // The premise.
-        let still = at.iter().zip(&coupled.dem.particles().position);
+        let still = at.iter().zip(&coupled.dem().particles().position);
         assert!(still.map(|(a, b): (&Vec3, _)| (a - b).norm()).all(|d| d == 0.0));
     }
 }

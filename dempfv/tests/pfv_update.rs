@@ -203,14 +203,17 @@ fn a_worn_out_network_is_replaced_in_the_next_step() {
         let acceleration = Acceleration { remesh, update, ..Acceleration::default() };
         let mut coupled = moving(4, never, acceleration);
         for _ in 0..150 {
-            let (networks, worn) = (coupled.remeshes(), coupled.update_counts().worn_out);
+            let (networks, exhausted) = (coupled.remeshes(), coupled.update_counts().exhausted);
             coupled.step(DT).unwrap();
-            assert_eq!(coupled.remeshes(), (worn + 1).max(networks));
+            assert_eq!(coupled.remeshes(), (exhausted + 1).max(networks));
             let counts = coupled.update_counts();
-            assert!(counts.last_error <= PRESSURE_ERROR || counts.worn_out > worn, "{counts:?}");
+            assert!(
+                counts.last_error <= PRESSURE_ERROR || counts.exhausted > exhausted,
+                "{counts:?}"
+            );
         }
         let counts = coupled.update_counts();
-        assert!((2..50).contains(&counts.worn_out), "{counts:?}");
+        assert!((2..50).contains(&counts.exhausted), "{counts:?}");
         assert_eq!(counts.solves, 150);
     }
 }

@@ -281,3 +281,70 @@ fn counts_of_a_dense_matrix() {
     assert_eq!(f.analysis().flops, 385.0);
     assert!(f.memory_bytes() >= 55 * 8);
 }
+
+/// Many right-hand sides have the solutions of one after the other, to the last bit, by every
+/// solver; and lengths that do not fit are told.
+#[test]
+fn many_right_hand_sides_are_solved_as_one_by_one() {
+    let a = network(20, 14);
+    let columns = 3;
+    let b = numbers(columns * a.n, 15);
+    for kind in SolverKind::ALL {
+        let mut f = kind.backend().analyze(&a, None).unwrap().factor(&a).unwrap();
+        let mut x = vec![0.0; b.len()];
+        f.solve_many(&b, &mut x, columns).unwrap();
+        for (b, x) in b.chunks(a.n).zip(x.chunks(a.n)) {
+            let bits: Vec<u64> = x.iter().map(|v| v.to_bits()).collect();
+            assert!(solution_bits(&mut *f, b) == bits, "{kind}");
+        }
+        assert_eq!(f.solve_many(&[], &mut [], 0), Ok(()));
+        let wrong = |what, expected, found| Err(SolverError::WrongSize { what, expected, found });
+        assert_eq!(
+            f.solve_many(&b, &mut x[1..], columns),
+            wrong("the block of solutions", b.len(), b.len() - 1)
+        );
+        assert_eq!(
+            f.solve_many(&b[1..], &mut x[1..], columns),
+            wrong("the block of right-hand sides", b.len() - columns, b.len() - 1)
+        );
+        assert_eq!(
+            f.solve_many(&b[..6], &mut x[..6], columns),
+            wrong("the right-hand side", a.n, 2)
+        );
+        assert!(f.solve_many(&b, &mut x, 0).is_err());
+    }
+}
+
+/// Entries of either triangle in any order, with throats that come twice, give the matrix that
+/// was written down by columns.
+#[test]
+fn triplets_make_the_matrix() {
+    let a = network(6, 16);
+    let mut entries = vec![];
+    for j in 0..a.n {
+        for k in a.col_ptr[j] as usize..a.col_ptr[j + 1] as usize {
+            let (i, half) = (a.row_idx[k] as usize, 0.5 * a.values[k]);
+            // Halves are exact, and so is their sum.
+            entries.extend([(i, j, half), (j, i, half)]);
+        }
+    }
+    entries.reverse();
+    assert_eq!(SymmetricCsc::from_triplets(a.n, entries), Ok(a));
+    let error = |entry| SymmetricCsc::from_triplets(3, [(0, 0, 1.0), entry]).err();
+    assert_eq!(error((1, 3, 1.0)), Some(SolverError::EntryOutside { row: 1, column: 3, n: 3 }));
+    let infinite = SolverError::MatrixNotFinite { row: 2, column: 1, value: f64::INFINITY };
+    assert_eq!(error((2, 1, f64::INFINITY)), Some(infinite));
+    let empty = SymmetricCsc::from_triplets(2, []).unwrap();
+    assert_eq!((empty.nnz(), empty.validate()), (2, Ok(())));
+}
+
+/// What a program may print of a solver names it.
+#[test]
+fn solvers_have_a_debug_form() {
+    let a = laplacian(3);
+    let backend = SolverKind::Cholmod.backend();
+    assert_eq!(format!("{backend:?}"), "Backend(cholmod)");
+    let symbolic = backend.analyze(&a, None).unwrap();
+    assert!(format!("{symbolic:?}").contains("metis"));
+    assert!(format!("{:?}", symbolic.factor(&a).unwrap()).contains("\"cholmod\""));
+}

@@ -4,7 +4,7 @@ mod solver_systems;
 
 use std::path::PathBuf;
 
-use dempfv::Error;
+use dempfv::io::IoError;
 use dempfv::io::matrix_market::{read_matrix, read_vector, write_matrix, write_vector};
 use solver_systems::{network, numbers};
 
@@ -29,7 +29,7 @@ impl Drop for Scratch {
 fn complaint(name: &str, text: &str) -> (usize, String) {
     let file = Scratch::new(name, text);
     match read_matrix(&file.0) {
-        Err(Error::Input(e)) => {
+        Err(IoError::Input(e)) => {
             assert_eq!(e.file.as_ref(), Some(&file.0));
             (e.line.unwrap(), format!("{}; {}", e.what, e.remedy))
         }

@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
+use dempfv::WallId;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Clamp, Fluid, Network, Operators};
-use dempfv::solver::ordering::{Ordering, factor_entries, order};
-use dempfv::solver::{SolverKind, SymmetricCsc};
-use dempfv::{Vec3, WallId};
+use dempfv::solver::ordering::{factor_entries, order};
+use dempfv::solver::{SolverError, SolverKind, SymmetricCsc};
 
 type Points = Vec<[f64; 3]>;
 
@@ -52,33 +52,23 @@ fn random(mut state: u64) -> impl FnMut() -> usize {
 }
 
 fn ordered(a: &SymmetricCsc, points: &[[f64; 3]]) -> u64 {
-    factor_entries(a, &order(a, points))
+    factor_entries(a, &order(a, points).unwrap()).unwrap()
 }
 
-/// The matrix of a packing that is drained at the top, and its pores' centres. Every
-/// sphere is moved by up to a part of its radius.
-fn moved(count: usize, part: f64) -> (SymmetricCsc, Points) {
+/// The matrix of a packing that is drained at the top, and its pores' centres.
+fn packing(count: usize) -> (SymmetricCsc, Points) {
     let name = format!("../packings/oedometer-{count}.txt");
     let packing = Packing::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap();
     let bounds = packing.bounds_or_tight().unwrap();
     let mut boundary = Boundary::default();
     boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
-    let mut next = random(7);
-    let mut step = |r: f64| part * r * ((next() % 2001) as f64 * 1e-3 - 1.0);
-    let spheres = packing.position.iter().zip(&packing.radius);
-    let x: Vec<Vec3> =
-        spheres.map(|(x, &r)| Vec3::new(x.x + step(r), x.y + step(r), x.z + step(r))).collect();
-    let (network, derivatives) = Network::new(&x, &packing.radius, bounds, &fluid).unwrap();
+    let (network, derivatives) =
+        Network::new(&packing.position, &packing.radius, bounds, &fluid).unwrap();
     let operators = Operators::new(&network, derivatives, fluid.boundary).unwrap();
     let center = |&i: &u32| network.center[i as usize].into();
     let points = operators.pore_of.iter().map(center).collect();
     (operators.matrix, points)
-}
-
-/// The same where the spheres lie in the file.
-fn packing(count: usize) -> (SymmetricCsc, Points) {
-    moved(count, 0.0)
 }
 
 /// What CHOLMOD finds for METIS's ordering.
@@ -184,65 +174,26 @@ fn the_order_does_not_depend_on_threads() {
     };
     let one = by(1);
     assert!(one == by(2) && one == by(3));
-    let (b, moved) = moved(20_000, 0.01);
-    let follow = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| Ordering::new(&a, &points).follow(&b, &moved).permutation().to_vec())
-    };
-    let one = follow(1);
-    assert!(one == follow(2) && one == follow(3));
 }
 
-/// After small motion the old dissection serves, with at most a tenth more fill than
-/// METIS leaves, remesh after remesh. The last motion is not small any more.
+/// Wrong lengths and orders that are none are told, not panicked about.
 #[test]
-fn a_dissection_follows_the_network() {
-    let (a, points) = packing(5_000);
-    let mut ordering = Ordering::new(&a, &points);
-    assert_eq!(ordering.permutation(), order(&a, &points));
-    let mut kept = 0;
-    for part in (1..=15).map(|k| 0.01 * f64::from(k)).chain([0.6]) {
-        let (a, points) = moved(5_000, part);
-        ordering = ordering.follow(&a, &points);
-        let (own, other) = (factor_entries(&a, ordering.permutation()), metis(&a));
-        assert!(own as f64 <= 1.1 * other as f64, "{part}: {own}, METIS {other}");
-        kept += usize::from(ordering.permutation() != order(&a, &points));
+fn wrong_input_is_an_error() {
+    let (a, points) = grid(3, 3);
+    let wrong = |what, found| SolverError::WrongSize { what, expected: 27, found };
+    assert_eq!(order(&a, &points[1..]), Err(wrong("the list of coordinates", 26)));
+    let good = order(&a, &points).unwrap();
+    assert_eq!(factor_entries(&a, &good[..9]), Err(wrong("the order of elimination", 9)));
+    for unknown in [-1, 27, good[3]] {
+        let mut bad = good.clone();
+        bad[5] = unknown;
+        let expected = SolverError::NoPermutation { place: 5, unknown };
+        assert_eq!(factor_entries(&a, &bad), Err(expected));
     }
-    assert!((10..16).contains(&kept), "{kept} were carried over");
-}
-
-/// What decays unseen is made anew after 16 followings; so is what is not small any more.
-#[test]
-fn a_dissection_does_not_follow_for_ever() {
-    let (a, points) = packing(1_000);
-    let (b, moved) = moved(1_000, 0.05);
-    let mut ordering = Ordering::new(&a, &points);
-    for _ in 0..16 {
-        ordering = ordering.follow(&b, &moved);
-        assert!(ordering.permutation() != order(&b, &moved));
-    }
-    assert_eq!(ordering.follow(&b, &moved).permutation(), order(&b, &moved));
-    let (large, places) = packing(5_000);
-    let own = order(&large, &places);
-    assert_eq!(Ordering::new(&a, &points).follow(&large, &places).permutation(), own);
-}
-
-/// Whatever the next network is, the result orders it.
-#[test]
-fn any_network_may_follow_any_other() {
-    let (a, points) = grid(12, 20);
-    let first = Ordering::new(&a, &points);
-    assert_eq!(
-        factor_entries(&a, first.permutation()),
-        factor_entries(&a, first.follow(&a, &points).permutation())
-    );
-    let empty = pattern(0, []);
-    for (b, others) in [grid(6, 6), grid(20, 20), grid(1, 5000), (empty.clone(), vec![])] {
-        let next = first.follow(&b, &others);
-        factor_entries(&b, next.permutation());
-        factor_entries(&a, next.follow(&a, &points).permutation());
-        let shuffled: Points = (0..b.n).map(|v| others[v * 7919 % b.n]).collect();
-        factor_entries(&b, first.follow(&b, &shuffled).permutation());
-        factor_entries(&b, first.follow(&b, &vec![[f64::NAN; 3]; b.n]).permutation());
-    }
+    let mut malformed = a.clone();
+    malformed.row_idx[1] = 99;
+    assert!(matches!(order(&malformed, &points), Err(SolverError::InvalidMatrix { .. })));
+    let mut no_numbers = a;
+    no_numbers.values.fill(f64::NAN);
+    assert_eq!(order(&no_numbers, &points), Ok(good));
 }

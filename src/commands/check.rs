@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use dempfv::coupling::TimeStepBounds;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
-use dempfv::scene::{Plan, StageKind, TimeStep, Until};
+use dempfv::scene::{Plan, Stage, StageKind, TimeStep, Until};
 use dempfv::simulation::Stability;
 use dempfv::simulation::{Estimate, Specimen};
 use dempfv::{Aabb, Error};
+use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use serde::Serialize;
 
 use super::describe;
-use super::format::{bytes, count, duration, si, three_digits};
 
 /// The pores of packings of up to so many spheres are counted.
 const COUNTED: usize = 50_000;
@@ -32,15 +32,26 @@ pub struct Args {
 #[derive(Serialize)]
 pub struct Report {
     title: String,
-    effects_on: Vec<&'static str>,
-    effects_off: Vec<&'static str>,
+    effects: Effects,
     stages: Vec<StageReport>,
     bounds: Option<Aabb>,
+    /// Expected time of a step (ms), its share of remeshing included.
+    ms_per_step: Option<f64>,
+    /// Expected peak memory (bytes).
+    memory_bytes: f64,
+    warnings: Vec<String>,
     estimate: Estimate,
     /// Where the fastest viscous mode lives; `None` where there is no packing
     /// yet, or a large one.
     stability: Option<Stability>,
     plan: Plan,
+}
+
+/// What the scene simulates, and what it could.
+#[derive(Serialize)]
+struct Effects {
+    on: Vec<&'static str>,
+    off: Vec<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -67,11 +78,11 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         .stages
         .iter()
         .map(|stage| {
-            let steps = steps(&stage.kind, estimate.dt);
+            let steps = steps(&stage.kind, time_step(&plan, stage, &estimate));
             StageReport {
                 name: stage.name.clone(),
                 kind: stage.kind.name(),
-                what: describe::stage(&stage.kind),
+                what: describe::stage(stage),
                 steps,
                 expected_s: expected(&stage.kind, steps, &estimate),
             }
@@ -79,10 +90,12 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         .collect();
     Ok(Report {
         title: plan.title.clone(),
-        effects_on: plan.effects_on(),
-        effects_off: plan.effects_off(),
+        effects: Effects { on: plan.effects_on(), off: plan.effects_off() },
         stages,
         bounds,
+        ms_per_step: estimate.ms_per_step(),
+        memory_bytes: estimate.memory,
+        warnings: estimate.warnings(),
         estimate,
         stability,
         plan,
@@ -128,8 +141,7 @@ fn count_pores(
 ) -> Result<(), Error> {
     let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
     let boundary = Boundary { pressure: pressure.into() };
-    let (viscosity, slip_walls, clamp) = (fluid.viscosity, fluid.slip_walls, fluid.clamp);
-    let fluid_in_pores = Fluid { viscosity, slip_walls, clamp, boundary };
+    let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
     let operators = Operators::new(&network, derivatives, boundary)?;
@@ -149,7 +161,7 @@ fn count_pores(
 /// measurement of a permeability; `None` when no stage has flow.
 fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
     if plan.stages.iter().any(|s| s.kind.is_coupled()) {
-        return plan.fluid.as_ref().map(|f| f.pressure);
+        return plan.fluid.as_ref().map(|f| f.fluid.boundary.pressure.0);
     }
     plan.stages.iter().find_map(|s| match &s.kind {
         StageKind::Permeability(p) => {
@@ -160,6 +172,15 @@ fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
         }
         _ => None,
     })
+}
+
+/// The time step of a stage (s), as far as it is known.
+fn time_step(plan: &Plan, stage: &Stage, estimate: &Estimate) -> Option<f64> {
+    let dem = plan.mechanics(stage)?;
+    match dem.dt {
+        TimeStep::Fixed(dt) => Some(dt),
+        TimeStep::Auto => estimate.bounds.map(|bounds| bounds.automatic(dem.safety)),
+    }
 }
 
 fn steps(kind: &StageKind, dt: Option<f64>) -> Option<u64> {
@@ -188,8 +209,8 @@ impl fmt::Display for Report {
             let text = format!("{}: {}{}", stage.name, stage.what, expected.unwrap_or_default());
             line(f, &format!("stage {}", i + 1), &text)?;
         }
-        line(f, "effects on", &list(&self.effects_on))?;
-        line(f, "effects off", &list(&self.effects_off))?;
+        line(f, "effects on", &list(&self.effects.on))?;
+        line(f, "effects off", &list(&self.effects.off))?;
         let spheres = count(self.estimate.spheres as u64);
         line(f, "particles", &format!("{spheres}: {}", describe::source(&plan.particles.source)))?;
         if let Some(bounds) = &self.bounds {
@@ -200,7 +221,8 @@ impl fmt::Display for Report {
             line(f, "fluid", &describe::fluid(fluid, self.estimate.coupled_step.is_some()))?;
         }
         self.write_mechanics(f)?;
-        self.write_cost(f)
+        self.write_cost(f)?;
+        self.warnings.iter().try_for_each(|warning| line(f, "warning", warning))
     }
 }
 
@@ -211,14 +233,14 @@ impl Report {
         else {
             return Ok(());
         };
-        let material = &self.plan.particles;
+        let material = &self.plan.particles.material;
         let text = format!(
             "ρ = {} kg/m³, E = {}, k_s/k_n = {}, friction {}° (walls {}°)",
             three_digits(material.density),
             si(material.young, "Pa"),
             three_digits(material.stiffness_ratio),
             three_digits(material.friction_angle.to_degrees()),
-            three_digits(self.plan.walls.friction_angle.to_degrees()),
+            three_digits(self.plan.walls.material.friction_angle.to_degrees()),
         );
         line(f, "material", &text)?;
         let limit = bounds.limit();
@@ -226,9 +248,7 @@ impl Report {
             TimeStep::Auto => format!("automatic, about {}", si(dt, "s")),
             TimeStep::Fixed(_) => si(dt, "s"),
         };
-        let verdict = if dt > limit { "; the step is above it: expect it to blow up" } else { "" };
-        let text =
-            format!("{choice}; limit about {}, set by {}{verdict}", si(limit, "s"), bounds.rule());
+        let text = format!("{choice}; limit about {}, set by {}", si(limit, "s"), bounds.rule());
         line(f, "time step", &text)?;
         self.write_bounds(f, &bounds)
     }

@@ -8,12 +8,13 @@ use std::sync::atomic::AtomicBool;
 
 use dempfv::io::atomic;
 use dempfv::{Error, InputError};
+use dempfv_report::json;
+use dempfv_report::progress::Progress;
 use serde::Serialize;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::INTERRUPTED;
-use crate::report::progress::Progress;
 
 /// Options that every subcommand takes.
 #[derive(clap::Args)]
@@ -73,9 +74,9 @@ impl Context {
     /// error.
     pub fn deliver<R: Display + Serialize>(&self, report: &R) -> Result<(), Error> {
         if let Some(path) = self.json.as_deref().filter(|_| !self.is_json_on_stdout()) {
-            write_json(path, report)?;
+            json::write(path, report)?;
         }
-        let text = if self.is_json_on_stdout() { to_json(report)? } else { report.to_string() };
+        let text = if self.is_json_on_stdout() { json::text(report)? } else { report.to_string() };
         let mut stdout = io::stdout().lock();
         match writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()) {
             Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::io("stdout", e)),
@@ -104,24 +105,6 @@ impl Context {
         }
         Ok(raised)
     }
-}
-
-fn to_json<R: Serialize>(report: &R) -> Result<String, Error> {
-    serde_json::to_string_pretty(report).map_err(|e| Error::io("JSON report", e.into()))
-}
-
-/// Writes a report as JSON: beside its place, then renamed into it, so that no reader
-/// meets half a file. What is no regular file (a pipe, `/dev/null`) is written directly.
-///
-/// # Errors
-/// [`Error::Io`] when the file cannot be written.
-pub fn write_json<R: Serialize>(path: &Path, report: &R) -> Result<(), Error> {
-    let text = to_json(report)? + "\n";
-    let special = path.metadata().is_ok_and(|m| !m.is_file());
-    if special {
-        return std::fs::write(path, text).map_err(|e| Error::io(path, e));
-    }
-    atomic::write(path, text.as_bytes())
 }
 
 fn check_folder(path: &Path) -> Result<(), InputError> {

@@ -1,13 +1,21 @@
 //! The parts of a plan in words.
 
-use dempfv::WallId;
+use dempfv::PerWall;
 use dempfv::coupling::{Acceleration, RemeshMode, Swap};
 use dempfv::scene::*;
+use dempfv_report::format::{count, si, three_digits};
 
-use super::format::{count, si, three_digits};
+/// What a stage does and when it ends, and the mechanics that it has of its own.
+pub fn stage(stage: &Stage) -> String {
+    let dt = stage.dt.map(|dt| match dt {
+        TimeStep::Auto => ", automatic time step".to_owned(),
+        TimeStep::Fixed(dt) => format!(", time step {}", si(dt, "s")),
+    });
+    let damping = stage.damping.map(|x| format!(", damping {}", three_digits(x)));
+    format!("{}{}{}", kind(&stage.kind), dt.unwrap_or_default(), damping.unwrap_or_default())
+}
 
-/// What a stage does and when it ends.
-pub fn stage(kind: &StageKind) -> String {
+fn kind(kind: &StageKind) -> String {
     match kind {
         StageKind::Compact(s) => format!(
             "radii grow to {} on the walls{}; ends at unbalanced force {} with the stress within {} %",
@@ -48,17 +56,13 @@ fn run(run: &Run) -> String {
     format!("{end}, {flow}, {}{}", controls(&run.walls), friction(run.friction_angle))
 }
 
-fn controls(walls: &[WallControl; 6]) -> String {
-    let moving: Vec<String> = WallId::ALL
-        .into_iter()
-        .filter_map(|wall| match walls[wall.index()] {
+fn controls(walls: &PerWall<WallControl>) -> String {
+    let moving: Vec<String> = walls
+        .iter()
+        .filter_map(|(wall, control)| match *control {
             WallControl::Fixed => None,
-            WallControl::Velocity { velocity } => {
-                Some(format!("{wall} at {}", si(velocity, "m/s")))
-            }
-            WallControl::Stress { stress, .. } => {
-                Some(format!("{wall} under {}", si(stress, "Pa")))
-            }
+            WallControl::Velocity(velocity) => Some(format!("{wall} at {}", si(velocity, "m/s"))),
+            WallControl::Servo { stress, .. } => Some(format!("{wall} under {}", si(stress, "Pa"))),
         })
         .collect();
     if moving.is_empty() { "all walls fixed".to_owned() } else { moving.join(", ") }
@@ -92,19 +96,20 @@ pub fn source(source: &ParticleSource) -> String {
 
 /// The fluid; its boundary conditions and remeshing where some stage is `coupled`.
 pub fn fluid(fluid: &Fluid, coupled: bool) -> String {
-    let viscosity = format!("μ = {}", si(fluid.viscosity, "Pa·s"));
+    let viscosity = format!("μ = {}", si(fluid.fluid.viscosity, "Pa·s"));
     if !coupled {
         return viscosity;
     }
     let pressures: Vec<String> =
         fluid.pressure_walls().map(|(wall, p)| format!("{} on {wall}", si(p, "Pa"))).collect();
     let how = fluid.acceleration;
-    let interval = match fluid.remesh_interval {
+    let interval = match fluid.remesh.interval {
         _ if how.auto_interval => Some("as often as the background can follow".to_owned()),
         interval => interval.map(|n| format!("every {} steps", count(n))),
     };
     let strain = fluid
-        .remesh_strain
+        .remesh
+        .strain
         .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
     let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
     format!(

@@ -6,9 +6,9 @@ use std::thread::available_parallelism;
 
 use dempfv::Error;
 use dempfv::solver::{self, GpuInfo, SolverKind, blas};
+use dempfv_report::format::bytes;
+use dempfv_report::versions;
 use serde::Serialize;
-
-use super::format::bytes;
 
 /// What `doctor` takes: nothing of its own.
 #[derive(clap::Args)]
@@ -31,21 +31,6 @@ pub struct Report {
     advice: Vec<String>,
 }
 
-/// Versions of all that a result depends on, by name, for every report.
-pub fn versions() -> BTreeMap<&'static str, String> {
-    BTreeMap::from([
-        ("dempfv", env!("CARGO_PKG_VERSION").to_owned()),
-        ("git", env!("DEMPFV_GIT_VERSION").to_owned()),
-        ("rustc", env!("DEMPFV_RUSTC_VERSION").to_owned()),
-        ("suitesparse", env!("DEMPFV_SUITESPARSE_VERSION").to_owned()),
-        ("cholmod", env!("DEMPFV_CHOLMOD_VERSION").to_owned()),
-        ("metis", env!("DEMPFV_METIS_VERSION").to_owned()),
-        ("cgal", env!("DEMPFV_CGAL_VERSION").to_owned()),
-        // The BLAS is the machine's choice, known only now.
-        ("blas", blas::description()),
-    ])
-}
-
 /// Looks around.
 ///
 /// # Errors
@@ -55,8 +40,8 @@ pub fn run(_: &Args) -> Result<Report, Error> {
     let gpus = solver::gpus();
     let built = SolverKind::ALL.iter().filter(|kind| kind.is_built());
     Ok(Report {
-        versions: versions(),
-        blas_library: cholmod_sys::blas::library_path(),
+        versions: versions::all(),
+        blas_library: versions::blas_library(),
         solvers: built.map(|kind| kind.name()).collect(),
         cores: available_parallelism().ok().map(Into::into),
         memory_bytes: meminfo(&memory, "MemTotal:"),
@@ -102,13 +87,7 @@ fn advice() -> Vec<String> {
                 .to_owned(),
         );
     }
-    let loaded = cholmod_sys::cholmod_version().map(|number| number.to_string()).join(".");
-    let built = env!("DEMPFV_CHOLMOD_VERSION");
-    if loaded != built {
-        advice.push(format!(
-            "the program was built against CHOLMOD {built} but has loaded {loaded}; build it anew"
-        ));
-    }
+    advice.extend(versions::cholmod_advice());
     advice
 }
 

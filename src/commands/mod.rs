@@ -5,19 +5,13 @@
 //! [`Serialize`](serde::Serialize) (for programs, `--json`). It becomes one variant of
 //! [`Command`] and one line of [`execute`].
 
-mod bench;
 pub mod check;
-pub mod compare;
 mod context;
 mod describe;
 pub mod doctor;
 mod error;
-mod format;
-mod machine;
 pub mod network;
-pub mod output;
 pub mod pack;
-pub mod paper;
 pub mod permeability;
 pub mod run;
 pub mod solve;
@@ -27,6 +21,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 pub use context::{Context, Options};
 pub use error::Error;
+
+use crate::evidence;
 
 /// Simulates saturated granular matter: spheres in contact (DEM), coupled to the flow
 /// through the pores between them (PFV).
@@ -50,18 +46,17 @@ pub enum Command {
     Run(run::Args),
     /// Make a settled packing from a scene or from options
     Pack(pack::Args),
-    /// Triangulate a packing, solve one static flow, write the network as JSON
+    /// Triangulate a packing and solve one static flow; the network as JSON with --json
     Network(network::Args),
     /// Permeability of a packing along each axis, with Kozeny-Carman beside it
     Permeability(permeability::Args),
     /// Solve a Matrix Market system with each solver: times, fill, residual
     Solve(solve::Args),
-    /// Compare with another program on the same input, side by side in one run
-    Compare(compare::Args),
-    /// The figures of Caulk et al. (2020), measured on this machine
-    Paper(paper::Args),
     /// Show library versions, cores, memory and GPU, and what to install
     Doctor(doctor::Args),
+    /// Measurements of this program.
+    #[command(flatten)]
+    Evidence(evidence::Command),
 }
 
 /// Exit status of a run that Ctrl-C ended: 128 + SIGINT, as shells report it.
@@ -89,13 +84,8 @@ pub fn execute(command: Command, context: &Context) -> Result<ExitCode, Error> {
         Command::Network(args) => context.deliver(&network::run(&args, context)?)?,
         Command::Permeability(args) => context.deliver(&permeability::run(&args)?)?,
         Command::Solve(args) => context.deliver(&solve::run(&args)?)?,
-        Command::Compare(args) => {
-            let report = compare::run(&args)?;
-            context.deliver(&report)?;
-            report.judge()?;
-        }
-        Command::Paper(args) => context.deliver(&paper::run(&args, context)?)?,
         Command::Doctor(args) => context.deliver(&doctor::run(&args)?)?,
+        Command::Evidence(command) => evidence::run(&command, context)?,
     }
     Ok(status)
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use dempfv::io::matrix_market;
@@ -9,14 +10,21 @@ use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, UnknownClamp};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Error, InputError, Vec3, WallId};
+use dempfv_report::format::{bytes, count, three_digits};
+use dempfv_report::json;
+use dempfv_report::output::{self, OutputArgs};
 use serde::Serialize;
 
-use super::format::{count, three_digits};
-use super::output::{OutputArgs, make_folder};
-use super::{Context, context};
+use super::Context;
 
 /// File in the output folder that holds the network.
 const FILE: &str = "network.json";
+
+/// What a pore and a sphere take in it (bytes), within some percent.
+const PORE: f64 = 405.0;
+const SPHERE: f64 = 100.0;
+/// Files from this size on are announced (bytes).
+const LARGE: f64 = 1e7;
 
 /// What `network` takes.
 #[derive(clap::Args)]
@@ -33,8 +41,12 @@ pub struct Args {
     /// other solvers
     #[arg(long, value_name = "FILE")]
     matrix: Option<PathBuf>,
-    #[command(flatten)]
-    output: OutputArgs,
+    /// Also write the network into this folder, as network.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace results that are already there
+    #[arg(long)]
+    force: bool,
 }
 
 /// The fluid, as options.
@@ -114,26 +126,44 @@ pub struct Report {
 pub fn run(args: &Args, context: &Context) -> Result<Report, Error> {
     let (packing, bounds) = load_packing(&args.packing, None)?;
     let (fluid, solver) = args.fluid.fluid(boundary(&args.pressure)?)?;
-    let folder = match context.has_json() {
-        true => None,
-        false => Some(args.output.folder(&args.packing, FILE)?),
-    };
-    if let Some(file) = args.matrix.as_ref().filter(|f| !args.output.force && f.exists()) {
+    let folder = folder(args)?;
+    if let Some(file) = args.matrix.as_ref().filter(|f| !args.force && f.exists()) {
         let what = format!("--matrix {} is there already", file.display());
         return Err(InputError::new(what, "give --force to replace it, or another name").into());
     }
     let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
+    if folder.is_some() || context.has_json() {
+        announce(flow.network().pores(), packing.len());
+    }
     flow.solve_static()?;
     let mut report = report(&flow, &packing.radius, &fluid);
     if let Some(file) = &args.matrix {
         matrix_market::write_matrix(file, &flow.operators().matrix)?;
     }
     if let Some(folder) = folder {
-        make_folder(&folder)?;
-        context::write_json(&folder.join(FILE), &report)?;
+        output::make_folder(&folder)?;
+        json::write(&folder.join(FILE), &report)?;
         report.written = Some(folder.join(FILE));
     }
     Ok(report)
+}
+
+/// The folder that the network goes to, where one is given.
+fn folder(args: &Args) -> Result<Option<PathBuf>, InputError> {
+    if args.out.is_none() {
+        return Ok(None);
+    }
+    let output = OutputArgs { out: args.out.clone(), force: args.force };
+    output.folder(&args.packing, FILE).map(Some)
+}
+
+/// Says on stderr how large the JSON will be, where that is large.
+fn announce(pores: usize, spheres: usize) {
+    let size = PORE * pores as f64 + SPHERE * spheres as f64;
+    if size > LARGE {
+        // A closed stderr must not end the work.
+        let _ = writeln!(io::stderr(), "the JSON will have about {}", bytes(size));
+    }
 }
 
 fn boundary(pressures: &[String]) -> Result<Boundary, InputError> {

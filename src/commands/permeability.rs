@@ -7,9 +7,9 @@ use dempfv::pfv::{Boundary, Flow};
 use dempfv::scene::load_packing;
 use dempfv::theory::{kozeny_carman, sauter_diameter};
 use dempfv::{Error, InputError, WallId};
+use dempfv_report::format::{si, three_digits};
 use serde::Serialize;
 
-use super::format::{si, three_digits};
 use super::network::FluidArgs;
 
 /// What `permeability` takes.

@@ -9,9 +9,8 @@ use dempfv::solver::{
     Analysis, Placement, SolverError, SolverKind, SymmetricCsc, UnknownSolver, blas,
 };
 use dempfv::{Error, InputError};
+use dempfv_report::format::{bytes, count, duration};
 use serde::Serialize;
-
-use super::format::{bytes, count, duration};
 
 /// Solves are repeated for about this long (s), and the fastest is told.
 const MEASURE_FOR: f64 = 0.2;

@@ -122,6 +122,7 @@ pressure = {{ y_max = 0.0 }}
 kind = "compact"
 stress = 1.0e4
 friction_angle = 3.0
+dt = "auto"
 {stages}
 [output]
 history_every = 10

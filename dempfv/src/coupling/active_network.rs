@@ -1,12 +1,14 @@
 //! A network in use.
 
+use super::error::Result;
+use super::fluid_state::{FluidState, Followed, Snapshot};
 use super::phases::{Phase, Phases};
-use super::remesh::{FluidState, RemeshRule, Snapshot};
+use super::saturation::RemeshRule;
 use crate::pfv::{Flow, Iterations, NONE};
-use crate::{Aabb, Result, Vec3, WallId};
+use crate::{Aabb, Vec3, WallId};
 
-/// What the fluid feels of spheres and walls in a step.
-pub(super) struct Motion<'a> {
+/// How spheres and walls move in a step, as the fluid feels it.
+pub(super) struct SolidMotion<'a> {
     /// Velocity of each sphere (m/s).
     pub velocity: &'a [Vec3],
     /// Velocity of each wall along its axis (m/s).
@@ -16,12 +18,12 @@ pub(super) struct Motion<'a> {
     /// The time step (s).
     pub dt: f64,
     /// Where they are, if the network follows them.
-    pub place: Option<Place<'a>>,
+    pub geometry: Option<SolidGeometry<'a>>,
 }
 
-/// Where spheres and walls are, and what flows between them.
+/// Where spheres and walls are.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct SolidGeometry<'a> {
     /// Sphere centres (m).
     pub position: &'a [Vec3],
     /// The box (m).
@@ -31,8 +33,8 @@ pub(super) struct Place<'a> {
 /// Least error that is asked of iterated pressures (1), whatever the
 /// tolerance; see [`Flow::iterate`].
 pub const PRESSURE_ERROR: f64 = 1e-6;
-/// A network that takes so many applications of its factor is worn out.
-const MANY: u32 = 24;
+/// Applications of its factor in one solve by which a network is exhausted.
+const EXHAUSTING_APPLICATIONS: u32 = 24;
 
 /// A network, and what a checkpoint must know of it.
 pub(super) struct ActiveNetwork {
@@ -51,19 +53,18 @@ impl ActiveNetwork {
 
     /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
     /// 2020).
-    pub fn advance(&mut self, motion: &Motion, phases: &mut Phases) -> Result<()> {
-        let ActiveNetwork { flow, state, iterations, .. } = self;
-        if let Some(Place { position, bounds }) = motion.place {
-            let wear = phases.time(Phase::Update, || flow.update_geometry(position, &bounds))?;
-            state.worn = wear.inverted + wear.lost > 0;
+    pub fn advance(&mut self, motion: &SolidMotion, phases: &mut Phases) -> Result<()> {
+        if let Some(geometry) = &motion.geometry {
+            phases.time(Phase::Update, || self.follow(geometry))?;
         }
+        let ActiveNetwork { flow, state, iterations, .. } = self;
         phases
             .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
-        if motion.place.is_some() {
+        if motion.geometry.is_some() {
             let tolerance = flow.tolerance().max(PRESSURE_ERROR);
-            let went = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
-            state.worn |= went.applications >= MANY;
-            *iterations = Some(went);
+            let solve = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
+            state.exhausted |= solve.applications >= EXHAUSTING_APPLICATIONS;
+            *iterations = Some(solve);
         } else {
             phases.time(Phase::Solve, || flow.update_pressure())?;
         }
@@ -78,6 +79,33 @@ impl ActiveNetwork {
             *change += rate * motion.dt;
         }
         state.since += 1;
+        Ok(())
+    }
+
+    /// Takes the network along with its spheres, and remembers where to.
+    fn follow(&mut self, geometry: &SolidGeometry) -> Result<()> {
+        let SolidGeometry { position, bounds } = *geometry;
+        let degradation = self.flow.update_geometry(position, &bounds)?;
+        self.state.exhausted = degradation.inverted + degradation.lost > 0;
+        match &mut self.state.followed {
+            Some(followed) => {
+                followed.position.clear();
+                followed.position.extend_from_slice(position);
+                followed.bounds = bounds;
+            }
+            none => *none = Some(Followed { position: position.to_vec(), bounds }),
+        }
+        Ok(())
+    }
+
+    /// Brings a network that was built again to where its last step left it:
+    /// pressures, forces and fluxes are those of that step.
+    pub fn resume(&mut self) -> Result<()> {
+        let ActiveNetwork { flow, state, .. } = self;
+        if let Some(Followed { position, bounds }) = &state.followed {
+            flow.update_geometry(position, bounds)?;
+        }
+        flow.restore_pressures(&state.extrapolation, &state.volume_rate);
         Ok(())
     }
 
@@ -106,9 +134,13 @@ impl ActiveNetwork {
         self.state.resistance.map(|r| r.unwrap_or(0.0))
     }
 
-    /// What a checkpoint needs after so many steps, but for what is on its way.
-    pub fn saved(&self, step: u64) -> FluidState {
-        FluidState { step, extrapolation: self.flow.extrapolation().clone(), ..self.state.clone() }
+    /// What a checkpoint needs, but for what is on its way.
+    pub fn saved(&self) -> FluidState {
+        FluidState {
+            extrapolation: self.flow.extrapolation().clone(),
+            volume_rate: self.flow.volume_rate().to_vec(),
+            ..self.state.clone()
+        }
     }
 
     /// How far the pores have come towards the limit of their strain: 1 where

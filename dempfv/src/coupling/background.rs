@@ -1,4 +1,4 @@
-//! Remesher built beside the time loop: one thread that takes orders and gives
+//! Networks built beside the time loop: one thread that takes requests and gives
 //! back whole networks.
 
 use std::any::Any;
@@ -10,60 +10,11 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender, TryRecvError, unbounded};
 
-use super::CouplingError;
-use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
-use crate::solver::SolverKind;
-use crate::{Aabb, Result, Vec3};
+use super::error::{CouplingError, Result};
+use super::network_builder::{NetworkBuilder, NetworkRequest};
+use crate::pfv::Flow;
 
-/// The positions that a network is to be built from, and how.
-pub struct Order {
-    /// Sphere centres (m).
-    pub position: Vec<Vec3>,
-    /// Radii (m).
-    pub radius: Vec<f64>,
-    /// The box (m).
-    pub bounds: Aabb,
-    /// The fluid and its boundary conditions.
-    pub fluid: Fluid,
-    /// The linear solver.
-    pub solver: SolverKind,
-    /// A factor that is no longer needed.
-    pub spare: Option<ReusableAnalysis>,
-}
-
-/// What builds networks: a place for other ways to build them, and for
-/// failures in tests.
-pub trait NetworkBuilder: Send + Sync {
-    /// Builds a network; `None` when `cancelled` became true on the way, to
-    /// be looked up between two phases.
-    ///
-    /// # Errors
-    /// Why there is no such network.
-    fn build(&self, order: Order, cancelled: &AtomicBool) -> Result<Option<Flow>>;
-}
-
-/// Builds networks by triangulating, analyzing and factoring.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StandardBuilder;
-
-impl NetworkBuilder for StandardBuilder {
-    fn build(&self, order: Order, cancelled: &AtomicBool) -> Result<Option<Flow>> {
-        let stop = || cancelled.load(Ordering::Relaxed);
-        let Order { position, radius, bounds, fluid, solver, spare } = order;
-        if stop() {
-            return Ok(None);
-        }
-        let assembled = Assembled::new(&position, &radius, bounds, &fluid)?;
-        drop((position, radius));
-        if stop() {
-            return Ok(None);
-        }
-        let analyzed = assembled.analyze(solver, spare)?;
-        if stop() { Ok(None) } else { Ok(Some(analyzed.factor()?)) }
-    }
-}
-
-/// Names an order.
+/// Names a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ticket(u64);
 
@@ -76,7 +27,7 @@ pub(super) struct Answer {
 
 struct Message {
     ticket: Ticket,
-    order: Order,
+    request: NetworkRequest,
     cancelled: Arc<AtomicBool>,
 }
 
@@ -87,37 +38,37 @@ struct Message {
 /// time loop's, and the time loop may wait for it from within its own pool.
 pub(super) struct Worker {
     /// `None` once the thread is to end.
-    orders: Option<Sender<Message>>,
+    requests: Option<Sender<Message>>,
     answers: Receiver<Answer>,
     thread: Option<JoinHandle<()>>,
-    /// Of the last order.
+    /// Of the last request.
     cancelled: Arc<AtomicBool>,
     last: u64,
 }
 
-/// Stack of the worker's threads: that of a main thread, on which the same
-/// libraries run in the foreground.
-const STACK: usize = 8 << 20;
+/// Stack of the worker's threads (bytes): that of a main thread, on which the
+/// same libraries run in the foreground.
+const WORKER_STACK_BYTES: usize = 8 << 20;
 
 impl Worker {
     /// Starts the thread, with as many helpers as the time loop has threads.
-    pub fn start(builder: Arc<dyn NetworkBuilder>) -> Result<Worker, CouplingError> {
+    pub fn start(builder: Arc<dyn NetworkBuilder>) -> Result<Worker> {
         let not_started =
             |e: &dyn std::fmt::Display| CouplingError::WorkerNotStarted { what: e.to_string() };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(rayon::current_num_threads())
-            .stack_size(STACK)
+            .stack_size(WORKER_STACK_BYTES)
             .thread_name(|k| format!("remesh-{k}"))
             .build()
             .map_err(|e| not_started(&e))?;
-        let (orders, inbox) = unbounded();
+        let (requests, inbox) = unbounded();
         let (outbox, answers) = unbounded();
         let thread = thread::Builder::new()
             .name("remesh".to_owned())
             .spawn(move || serve(&*builder, &pool, &inbox, &outbox))
             .map_err(|e| not_started(&e))?;
         Ok(Worker {
-            orders: Some(orders),
+            requests: Some(requests),
             answers,
             thread: Some(thread),
             cancelled: Arc::default(),
@@ -125,27 +76,27 @@ impl Worker {
         })
     }
 
-    /// Orders a network. One that was ordered before is cancelled.
-    pub fn submit(&mut self, order: Order) -> Ticket {
+    /// Asks for a network. One that was asked for before is cancelled.
+    pub fn submit(&mut self, request: NetworkRequest) -> Ticket {
         self.cancel();
         self.cancelled = Arc::default();
         self.last += 1;
         let ticket = Ticket(self.last);
-        let message = Message { ticket, order, cancelled: Arc::clone(&self.cancelled) };
-        if let Some(orders) = &self.orders {
+        let message = Message { ticket, request, cancelled: Arc::clone(&self.cancelled) };
+        if let Some(requests) = &self.requests {
             // A thread that is gone is noticed when its answer is waited for.
-            let _ = orders.send(message);
+            let _ = requests.send(message);
         }
         ticket
     }
 
-    /// Drops what was ordered last, finished or not.
+    /// Drops what was asked for last, finished or not.
     pub fn cancel(&mut self) {
         self.cancelled.store(true, Ordering::Relaxed);
         while self.answers.try_recv().is_ok() {}
     }
 
-    /// The answer to an order if it is there.
+    /// The answer to a request if it is there.
     pub fn try_take(&mut self, ticket: Ticket) -> Option<Answer> {
         loop {
             match self.answers.try_recv() {
@@ -157,7 +108,7 @@ impl Worker {
         }
     }
 
-    /// Waits for the answer to the last order.
+    /// Waits for the answer to the last request.
     pub fn take(&mut self, ticket: Ticket) -> Answer {
         loop {
             match self.answers.recv() {
@@ -173,7 +124,7 @@ impl Answer {
     /// The thread is gone.
     pub fn lost(ticket: Ticket) -> Answer {
         let what = "the thread has ended".to_owned();
-        let error = CouplingError::WorkerPanicked { what }.into();
+        let error = CouplingError::WorkerPanicked { what };
         Answer { ticket, flow: Err(error), took: Duration::ZERO }
     }
 }
@@ -183,7 +134,7 @@ impl Drop for Worker {
     /// process must not end under a native library at work.
     fn drop(&mut self) {
         self.cancel();
-        self.orders = None;
+        self.requests = None;
         if let Some(thread) = self.thread.take() {
             // It catches panics; nothing is to be learned from its end.
             let _ = thread.join();
@@ -197,9 +148,9 @@ fn serve(
     inbox: &Receiver<Message>,
     outbox: &Sender<Answer>,
 ) {
-    for Message { ticket, order, cancelled } in inbox {
+    for Message { ticket, request, cancelled } in inbox {
         let start = Instant::now();
-        let built = guarded(|| pool.install(|| builder.build(order, &cancelled)));
+        let built = guarded(|| pool.install(|| builder.build(request, &cancelled)));
         if cancelled.load(Ordering::Relaxed) {
             // Dropped here, it does not wait in the channel.
             continue;
@@ -216,13 +167,13 @@ fn serve(
 pub(super) fn guarded(work: impl FnOnce() -> Result<Option<Flow>>) -> Result<Option<Flow>> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let what = said(&*panic).to_owned();
-        Err(CouplingError::WorkerPanicked { what }.into())
+        Err(CouplingError::WorkerPanicked { what })
     })
 }
 
 /// The network of a builder that nobody has told to stop.
 pub(super) fn complete(built: Option<Flow>) -> Result<Flow> {
-    built.ok_or_else(|| CouplingError::NoNetwork.into())
+    built.ok_or(CouplingError::NoNetwork)
 }
 
 /// The words of a panic.

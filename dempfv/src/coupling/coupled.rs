@@ -3,58 +3,56 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::TimeStepBounds;
-use super::active_network::{ActiveNetwork, Motion, Place};
-use super::background::NetworkBuilder;
+use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
+use super::counts::{IntervalTrail, RemeshCounts, UpdateCounts};
+use super::error::Result;
+use super::fluid_state::FluidState;
 use super::gpu_use::GpuUse;
+use super::network_builder::NetworkBuilder;
+use super::network_source::RemeshContext;
 use super::options::{Acceleration, RemeshMode, Update};
 use super::phases::{Phase, Phases};
-use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
-use super::remesher::{Remesher, Site};
+use super::remesher::Remesher;
+use super::saturation::Saturation;
+use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
+use crate::Vec3;
 use crate::dem::{Dem, DemError, WallControl};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
-use crate::solver::SolverKind;
-use crate::{Result, Vec3};
 
-/// With fewer spheres than this most of a step is done by one thread.
-const AWAKE: usize = 2_000;
-
-/// A fluid in the pores: what it is, and how its flow is computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Saturation {
-    /// The fluid and its boundary conditions.
-    pub fluid: Fluid,
-    /// The linear solver.
-    pub solver: SolverKind,
-    /// When to remesh.
-    pub remesh: RemeshRule,
-}
+/// Spheres from which on the threads that wait keep their processors busy: with
+/// fewer, most of a step is done by one thread.
+const SPINNING_SPHERES: usize = 2_000;
 
 /// Spheres, and the fluid between them where there is one.
 ///
 /// A step follows eqs. 1 to 13 of Caulk 2020: contacts, `V̇ = E v`,
 /// `G p = -V̇ + Q`, `f = F p`, integration.
+///
+/// The spheres are kept in spatial order. What [`Coupled::dem`] and
+/// [`Coupled::flow`] tell of single spheres is in that storage order;
+/// [`Particles::id`](crate::dem::Particles::id) has the user's numbers. What
+/// `Coupled` itself tells of single spheres is by the user's numbers.
 pub struct Coupled {
-    /// The mechanics.
-    pub dem: Dem,
-    saturation: Option<Saturation>,
-    networks: Remesher,
+    pub(super) dem: Dem,
+    pub(super) saturation: Option<Saturation>,
+    pub(super) remesher: Remesher,
     /// Points whose pore pressure is of interest (m).
-    probes: Vec<Vec3>,
+    pub(super) probes: Vec<Vec3>,
     /// Steps done.
-    steps: u64,
-    largest_residual: f64,
-    largest_imbalance: f64,
+    pub(super) steps: u64,
+    pub(super) largest_residual: f64,
+    pub(super) largest_imbalance: f64,
     update_counts: UpdateCounts,
     phases: Phases,
-    beside: Beside,
+    pub(super) auto_time_step: AutoTimeStep,
+    overlap: OverlapBuffers,
 }
 
-/// Scratch: what the fluid reads beside the contacts.
+/// Scratch: what the fluid reads while the contacts are computed.
 #[derive(Default)]
-struct Beside {
+struct OverlapBuffers {
     velocity: Vec<Vec3>,
     position: Vec<Vec3>,
 }
@@ -65,21 +63,28 @@ impl Coupled {
         Coupled {
             dem,
             saturation: None,
-            networks: Remesher::new(),
+            remesher: Remesher::new(),
             probes: vec![],
             steps: 0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             update_counts: UpdateCounts::default(),
             phases: Phases::default(),
-            beside: Beside::default(),
+            auto_time_step: AutoTimeStep::default(),
+            overlap: OverlapBuffers::default(),
         }
+    }
+
+    /// The mechanics, to be looked at; [`Coupled::controls`] changes them.
+    /// Arrays per sphere are in storage order.
+    pub fn dem(&self) -> &Dem {
+        &self.dem
     }
 
     /// Fills the pores; the network is built at the next step.
     pub fn saturate(&mut self, saturation: Saturation) {
         if self.saturation != Some(saturation) {
-            self.networks.outdate();
+            self.remesher.outdate();
         }
         self.saturation = Some(saturation);
     }
@@ -88,46 +93,24 @@ impl Coupled {
     /// being built in the background is cancelled.
     pub fn drain(&mut self) {
         self.saturation = None;
-        self.networks.clear();
+        self.remesher.clear();
     }
 
     /// Changes how networks are renewed, and whether the fluid is computed
     /// beside the contacts.
     pub fn accelerate(&mut self, acceleration: Acceleration) {
-        self.networks.accelerate(acceleration);
-    }
-
-    /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
-    /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
-    pub fn pressure_at_spheres(&self) -> Vec<f64> {
-        let particles = self.dem.particles();
-        let mut sums = vec![(0.0, 0.0); particles.len()];
-        if let Some(flow) = self.flow() {
-            let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
-            for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
-                for &vertex in cell {
-                    if let Some(sum) = sums.get_mut(vertex as usize) {
-                        *sum = (sum.0 + v * p, sum.1 + v);
-                    }
-                }
-            }
-        }
-        let mut pressure = vec![0.0; particles.len()];
-        for (&id, (weighted, volume)) in particles.id.iter().zip(sums) {
-            pressure[id as usize] = if volume > 0.0 { weighted / volume } else { 0.0 };
-        }
-        pressure
+        self.remesher.accelerate(acceleration);
     }
 
     /// Sets what each solve may leave of the imbalance of fluid mass and of the
     /// pressures' error (1); see [`Flow::set_tolerance`](crate::pfv::Flow::set_tolerance).
     pub fn set_tolerance(&mut self, tolerance: f64) {
-        self.networks.set_tolerance(tolerance);
+        self.remesher.set_tolerance(tolerance);
     }
 
     /// Changes who builds networks.
     pub fn build_with(&mut self, builder: Arc<dyn NetworkBuilder>) {
-        self.networks.build_with(builder);
+        self.remesher.build_with(builder);
     }
 
     /// Advances everything by `dt` (s). With 2,000 spheres or more the other threads of the
@@ -135,11 +118,11 @@ impl Coupled {
     ///
     /// # Errors
     /// What the mechanics, the network or the solver report; the state is then
-    /// that of a failed step. [`Error::Snapshot`](crate::Error::Snapshot) for a
-    /// network that was built from the positions of an earlier step.
+    /// that of a failed step. [`CouplingError::Snapshot`](super::CouplingError::Snapshot)
+    /// for a network that was built from the positions of an earlier step.
     pub fn step(&mut self, dt: f64) -> Result<()> {
-        let beside = self.networks.acceleration().remesh == RemeshMode::Background;
-        if self.dem.particles().len() < AWAKE || beside {
+        let background = self.remesher.acceleration().remesh == RemeshMode::Background;
+        if self.dem.particles().len() < SPINNING_SPHERES || background {
             self.step_now(dt)
         } else {
             spinning(|| self.step_now(dt))
@@ -149,43 +132,43 @@ impl Coupled {
     fn step_now(&mut self, dt: f64) -> Result<()> {
         let Some(saturation) = self.saturation else { return self.dry_step(dt) };
         let mut start = Instant::now();
-        let beside = self.networks.acceleration().parallel_tasks
-            && self.networks.is_idle(&saturation.remesh);
-        if beside {
-            self.networks.begin_step();
+        let overlaps = self.remesher.acceleration().parallel_tasks
+            && self.remesher.is_idle(&saturation.remesh);
+        if overlaps {
+            self.remesher.begin_step();
             self.contacts_beside_fluid(dt)?;
         } else {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
             let before = Instant::now();
             self.prepare_network(&saturation)?;
-            self.networks.begin_step();
+            self.remesher.begin_step();
             // A step's own time is without its remesh.
             start += before.elapsed();
-            let Coupled { dem, phases, networks, .. } = self;
-            let follow = networks.acceleration().update == Update::EveryStep;
-            if let Some(wet) = &mut networks.current {
+            let Coupled { dem, phases, remesher, .. } = self;
+            let follow = remesher.acceleration().update == Update::EveryStep;
+            if let Some(network) = &mut remesher.current {
                 let particles = dem.particles();
                 let mut motion = motion(dem, &particles.velocity, dt);
                 if follow {
-                    motion.place =
-                        Some(Place { position: &particles.position, bounds: dem.box_() });
+                    motion.geometry =
+                        Some(SolidGeometry { position: &particles.position, bounds: dem.box_() });
                 }
-                wet.advance(&motion, phases)?;
+                network.advance(&motion, phases)?;
             }
         }
         self.integrate(dt)?;
-        self.networks.stepped(start.elapsed());
+        self.remesher.stepped(start.elapsed());
         self.steps += 1;
         Ok(())
     }
 
     /// Sees to it that the next step has its network, once.
     fn prepare_network(&mut self, saturation: &Saturation) -> Result<()> {
-        let Coupled { dem, phases, networks, probes, .. } = self;
-        networks.prepare(Site { dem, saturation, step: self.steps }, phases)?;
-        if let Some(wet) = &mut networks.current {
-            wet.watch(probes);
+        let Coupled { dem, phases, remesher, probes, .. } = self;
+        remesher.prepare(RemeshContext { dem, saturation, step: self.steps }, phases)?;
+        if let Some(network) = &mut remesher.current {
+            network.watch(probes);
         }
         Ok(())
     }
@@ -203,19 +186,20 @@ impl Coupled {
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
     fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, networks, phases, beside, .. } = self;
-        beside.velocity.clone_from(&dem.particles().velocity);
-        let mut motion = motion(dem, &beside.velocity, dt);
-        if networks.acceleration().update == Update::EveryStep {
-            beside.position.clone_from(&dem.particles().position);
-            motion.place = Some(Place { position: &beside.position, bounds: dem.box_() });
+        let Coupled { dem, remesher, phases, overlap, .. } = self;
+        overlap.velocity.clone_from(&dem.particles().velocity);
+        let mut motion = motion(dem, &overlap.velocity, dt);
+        if remesher.acceleration().update == Update::EveryStep {
+            overlap.position.clone_from(&dem.particles().position);
+            motion.geometry =
+                Some(SolidGeometry { position: &overlap.position, bounds: dem.box_() });
         }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();
         let (contacts, fluid): (Result<(), DemError>, Result<()>) = rayon::join(
             || contact_phases.time(Phase::Contacts, || dem.compute_contacts()),
-            || match &mut networks.current {
-                Some(wet) => wet.advance(&motion, &mut fluid_phases),
+            || match &mut remesher.current {
+                Some(network) => network.advance(&motion, &mut fluid_phases),
                 None => Ok(()),
             },
         );
@@ -227,17 +211,18 @@ impl Coupled {
 
     /// Moves walls and spheres under both forces.
     fn integrate(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, networks, phases, .. } = self;
-        let wet = networks.current.as_ref();
-        dem.set_wall_resistance(wet.map_or([0.0; 6], |wet| wet.resistance()));
-        if let Some(ActiveNetwork { flow, iterations, state, .. }) = wet {
-            if let Some(went) = iterations {
-                self.update_counts.add(*went, state.worn);
+        let Coupled { dem, remesher, phases, .. } = self;
+        let network = remesher.current.as_ref();
+        dem.set_wall_resistance(network.map_or([0.0; 6], |network| network.resistance()));
+        if let Some(ActiveNetwork { flow, iterations, state, .. }) = network {
+            if let Some(solve) = iterations {
+                self.update_counts.add(*solve, state.exhausted);
             }
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
-        let (force, wall_force) = wet.map(|wet| (wet.flow.force(), wet.flow.wall_force())).unzip();
+        let (force, wall_force) =
+            network.map(|network| (network.flow.force(), network.flow.wall_force())).unzip();
         phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force))?;
         Ok(())
     }
@@ -253,45 +238,80 @@ impl Coupled {
     pub fn update_viscous_mode(&mut self, exact: bool) -> Result<bool> {
         let Some(saturation) = self.saturation else { return Ok(false) };
         self.prepare_network(&saturation)?;
-        let Coupled { dem, phases, networks, .. } = self;
-        let Some(wet) = networks.current.as_mut().filter(|wet| !wet.state.fastest.is_current(dem))
+        let Coupled { dem, phases, remesher, .. } = self;
+        let Some(network) =
+            remesher.current.as_mut().filter(|network| !network.state.fastest.is_current(dem))
         else {
             return Ok(false);
         };
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        let ActiveNetwork { flow, state, .. } = wet;
+        let ActiveNetwork { flow, state, .. } = network;
         phases.time(Phase::TimeStep, || state.fastest.update(flow, dem, exact))?;
         Ok(true)
     }
 
     /// The mode that [`Coupled::update_viscous_mode`] found for the network in
-    /// use.
+    /// use; its shape is in storage order.
     pub fn viscous_mode(&self) -> Option<&ViscousMode> {
-        self.networks.current.as_ref()?.state.fastest.current()
+        self.remesher.current.as_ref()?.state.fastest.current()
     }
 
     /// What bounds the time step, as far as it is known, with the contacts of
     /// the last step.
     pub fn time_step_bounds(&mut self) -> TimeStepBounds {
         let viscosity = self.saturation.map(|s| s.fluid.viscosity);
-        let fastest = self.networks.current.as_ref().map(|wet| &wet.state.fastest);
+        let fastest = self.remesher.current.as_ref().map(|network| &network.state.fastest);
         viscous_bound::bounds(&mut self.dem, viscosity, fastest)
     }
 
+    /// Brings the contact forces up to the current positions; the next step
+    /// finds this done.
+    ///
+    /// # Errors
+    /// As [`Dem::compute_contacts`].
+    pub fn compute_contacts(&mut self) -> Result<()> {
+        Ok(self.dem.compute_contacts()?)
+    }
+
+    /// Puts the spheres in spatial order again, after they have moved far from
+    /// where they were: neighbours in space become neighbours in memory, and
+    /// steps faster. Changes the storage order. A network in use knows the
+    /// spheres by their old order, so the next step builds another.
+    ///
+    /// # Errors
+    /// As [`Dem::sort_spatially`].
+    pub fn sort_spatially(&mut self) -> Result<()> {
+        self.remesher.outdate();
+        self.dem.sort_spatially()?;
+        self.compute_contacts()
+    }
+
+    /// Lets the mechanics be changed in any way, such as growth, and books the
+    /// time. A network in use is outdated: the next step builds another.
+    pub(crate) fn change_mechanics<T>(
+        &mut self,
+        phase: Phase,
+        change: impl FnOnce(&mut Dem) -> T,
+    ) -> T {
+        self.remesher.outdate();
+        let dem = &mut self.dem;
+        self.phases.time(phase, || change(dem))
+    }
+
+    /// Books work beside the time loop, such as a static flow.
+    pub(crate) fn time<T>(&mut self, phase: Phase, run: impl FnOnce() -> T) -> T {
+        self.phases.time(phase, run)
+    }
+
     /// Books what building a network took.
-    pub(crate) fn book_flow(&mut self, times: BuildTimes) {
+    pub(crate) fn book_build(&mut self, times: BuildTimes) {
         self.phases.book_build(times);
     }
 
-    /// Runs dry mechanics and books their time.
-    pub(crate) fn time_dry<T>(&mut self, phase: Phase, run: impl FnOnce(&mut Dem) -> T) -> T {
-        let dem = &mut self.dem;
-        self.phases.time(phase, || run(dem))
-    }
-
-    /// The flow of the last step; `None` where the pores are empty.
+    /// The flow of the last step; `None` where the pores are empty. Arrays per
+    /// sphere are in storage order, see [`Coupled`].
     pub fn flow(&self) -> Option<&Flow> {
-        self.networks.current.as_ref().map(|wet| &wet.flow)
+        self.remesher.current.as_ref().map(|network| &network.flow)
     }
 
     /// The fluid and how its flow is computed; `None` where the pores are empty.
@@ -304,32 +324,25 @@ impl Coupled {
         self.probes = probes;
     }
 
-    /// Pressure of the pore that contained each watched point when the network was built
-    /// (Pa). NaN where there is no network, and for a point that was outside its box.
-    pub fn probe_pressures(&self) -> impl Iterator<Item = f64> + '_ {
-        let wet = self.networks.current.as_ref();
-        (0..self.probes.len()).map(move |k| wet.map_or(f64::NAN, |wet| wet.probe_pressure(k)))
-    }
-
     /// How networks are renewed.
     pub fn acceleration(&self) -> &Acceleration {
-        self.networks.acceleration()
+        self.remesher.acceleration()
     }
 
     /// Steps since the positions that the current network was built from.
     pub fn network_age(&self) -> u64 {
-        let built_at = self.networks.current.as_ref().map(|wet| wet.state.snapshot.step);
+        let built_at = self.remesher.current.as_ref().map(|network| network.state.snapshot.step);
         built_at.map_or(0, |step| self.steps - step)
     }
 
     /// Networks that came into use so far.
     pub fn remeshes(&self) -> u64 {
-        self.networks.counts.networks
+        self.remesher.counts.networks
     }
 
     /// What happened at remeshes.
     pub fn remesh_counts(&self) -> &RemeshCounts {
-        &self.networks.counts
+        &self.remesher.counts
     }
 
     /// What following the spheres between remeshes took.
@@ -339,13 +352,13 @@ impl Coupled {
 
     /// What a GPU did, where the solver asks for one.
     pub fn gpu_use(&self) -> &GpuUse {
-        &self.networks.gpu
+        &self.remesher.gpu
     }
 
     /// The remesh interval and what it follows from.
     pub fn interval_trail(&self) -> IntervalTrail {
         let rule = self.saturation.map(|s| s.remesh);
-        rule.map_or_else(IntervalTrail::default, |rule| self.networks.trail(&rule))
+        rule.map_or_else(IntervalTrail::default, |rule| self.remesher.trail(&rule))
     }
 
     /// Largest residual of the first solves after factorizations.
@@ -358,58 +371,47 @@ impl Coupled {
         self.largest_imbalance
     }
 
-    /// Goes on from the largest residual and imbalance of an earlier session.
-    pub(crate) fn remember_worst(&mut self, residual: f64, imbalance: f64) {
-        self.largest_residual = residual;
-        self.largest_imbalance = imbalance;
-    }
-
     /// Steps done, those of an earlier session included where it told so.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Says how many steps were done before, this object's or others'. Remesher
+    /// Says how many steps were done before, this object's or others'. Networks
     /// in use have counted along.
     pub(crate) fn count_from(&mut self, steps: u64) {
         self.steps = steps;
+    }
+
+    /// Builds the network of a state again, bit for bit; in the background, also
+    /// the one that was on its way.
+    pub(super) fn restore_network(
+        &mut self,
+        saturation: &Saturation,
+        state: FluidState,
+    ) -> Result<()> {
+        let Coupled { dem, phases, remesher, probes, .. } = self;
+        let context = RemeshContext { dem, saturation, step: self.steps };
+        remesher.restore(state, context, phases)?;
+        if let Some(network) = &mut remesher.current {
+            network.watch(probes);
+        }
+        Ok(())
     }
 
     /// Where the time went.
     pub fn phases(&self) -> &Phases {
         &self.phases
     }
-
-    /// What a checkpoint needs beside the state of the mechanics.
-    pub fn fluid_state(&self) -> Option<FluidState> {
-        self.networks.state(self.steps)
-    }
-
-    /// Builds the network of a checkpoint again, bit for bit; in the
-    /// background, also the one that was on its way.
-    ///
-    /// # Errors
-    /// As a remesh.
-    pub fn restore_fluid(&mut self, saturation: Saturation, state: FluidState) -> Result<()> {
-        self.saturation = Some(saturation);
-        self.steps = state.step();
-        let site = Site { dem: &self.dem, saturation: &saturation, step: self.steps };
-        self.networks.restore(state, site, &mut self.phases)?;
-        if let Some(wet) = &mut self.networks.current {
-            wet.watch(&self.probes);
-        }
-        Ok(())
-    }
 }
 
 /// What the fluid feels in a step from `dt` on (s).
-fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> Motion<'a> {
+fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> SolidMotion<'a> {
     let walls = dem.walls();
-    Motion {
+    SolidMotion {
         velocity,
         walls: walls.each_ref().map(|w| w.velocity),
         servo: walls.each_ref().map(|w| matches!(w.control, WallControl::Servo { .. })),
         dt,
-        place: None,
+        geometry: None,
     }
 }

@@ -1,47 +1,44 @@
-//! Why a stage cannot come to its end, or a network to its use.
+//! What can go wrong in a step of spheres and fluid.
 
-/// A stage has used up its steps, or the background has failed.
+use crate::dem::DemError;
+use crate::pfv::PfvError;
+use crate::solver::SolverError;
+
+/// A coupled step, or a network for it, has failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
-    /// A servo stage has not come to rest at its stress.
-    #[error(
-        "not at rest after {steps} steps: stress {stress:.6e} Pa of {goal:.6e} Pa, unbalanced force {unbalanced:.2e}; \
-         allow more max_steps, a larger unbalanced, or a faster wall"
-    )]
-    NotSettled {
-        /// Steps done in the stage.
-        steps: u64,
-        /// Stress on the wall (Pa).
-        stress: f64,
-        /// Stress asked for (Pa).
-        goal: f64,
-        /// Unbalanced force (1).
-        unbalanced: f64,
+    /// The mechanics cannot go on.
+    #[error(transparent)]
+    Dem(#[from] DemError),
+    /// The pore network cannot be built or used.
+    #[error(transparent)]
+    Pfv(#[from] PfvError),
+    /// The linear solver failed.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A network cannot be built from the positions of an earlier step.
+    #[error("the network of the positions at step {step}: {source}")]
+    Snapshot {
+        /// Step at which the positions were taken.
+        step: u64,
+        /// What failed.
+        source: Box<CouplingError>,
     },
-    /// The strain that ends a run was not reached.
+    /// A state is of another kind, or of another version of this kind.
     #[error(
-        "strain {strain:.4e} of {goal:.4e} after {steps} steps; allow more max_steps or move the walls faster"
+        "a state of kind `{kind}`, version {version}; this library reads `{expected_kind}`, \
+         version {expected_version}"
     )]
-    StrainNotReached {
-        /// Steps done in the stage.
-        steps: u64,
-        /// Strain reached (1).
-        strain: f64,
-        /// Strain asked for (1).
-        goal: f64,
-    },
-    /// The time factor that ends a consolidation was not reached.
-    #[error(
-        "T_v = {time_factor:.4} of {goal:.4} after {steps} steps; allow more max_steps or a larger time step"
-    )]
-    TimeFactorNotReached {
-        /// Steps done in the stage.
-        steps: u64,
-        /// Time factor reached (1).
-        time_factor: f64,
-        /// Time factor asked for (1).
-        goal: f64,
+    ForeignState {
+        /// The kind that the state says it is of.
+        kind: String,
+        /// Its version.
+        version: u32,
+        /// The kind that is read.
+        expected_kind: &'static str,
+        /// The version that is read.
+        expected_version: u32,
     },
     /// The thread that builds networks cannot be started.
     #[error("the thread that builds networks cannot be started: {what}; use fewer threads")]
@@ -58,4 +55,47 @@ pub enum CouplingError {
     /// Whatever builds networks gave none and no reason.
     #[error("no network was built, though nobody cancelled it")]
     NoNetwork,
+}
+
+/// The result of a coupled step and its parts.
+pub(super) type Result<T, E = CouplingError> = std::result::Result<T, E>;
+
+impl CouplingError {
+    /// The same error where sphere `i` of the pore network has the number
+    /// `number[i]`: the user's, where the mechanics keeps the spheres in
+    /// another order. Errors of the mechanics have these numbers already.
+    #[must_use]
+    pub fn with_numbers(self, number: &[u32]) -> CouplingError {
+        match self {
+            CouplingError::Pfv(error) => CouplingError::Pfv(error.with_numbers(number)),
+            CouplingError::Snapshot { step, source } => {
+                CouplingError::Snapshot { step, source: Box::new(source.with_numbers(number)) }
+            }
+            other => other,
+        }
+    }
+
+    /// Whether the state after the failure is of no use to go on from: spheres
+    /// where they cannot be, or numbers that are none. A solver that has used
+    /// up the memory, or a growth its steps, leaves a sound one.
+    pub fn spoils_state(&self) -> bool {
+        match self {
+            CouplingError::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
+            CouplingError::Pfv(error) => !matches!(error, PfvError::Solver(_)),
+            CouplingError::Snapshot { source, .. } => source.spoils_state(),
+            _ => false,
+        }
+    }
+}
+
+impl From<crate::Error> for CouplingError {
+    fn from(error: crate::Error) -> Self {
+        match error {
+            crate::Error::Dem(e) => e.into(),
+            crate::Error::Pfv(e) => e.into(),
+            crate::Error::Solver(e) => e.into(),
+            crate::Error::Coupling(e) => e,
+            _ => CouplingError::NoNetwork,
+        }
+    }
 }

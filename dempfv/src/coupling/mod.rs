@@ -1,6 +1,8 @@
 //! The time step of [`dem`](crate::dem) and [`pfv`](crate::pfv) together.
 //!
-//! [`Coupled`] advances spheres and fluid by one step; it knows no scene.
+//! [`Coupled`] advances spheres and fluid by one step; it knows no scene. What
+//! may change between two steps goes through its [`Controls`]; its
+//! [`CoupledState`] is all that a restart needs.
 //!
 //! What makes a coupled run faster is an [`Acceleration`]:
 //! networks that are built in the background while the steps go on, and tasks
@@ -9,27 +11,35 @@
 
 mod active_network;
 mod auto_interval;
+mod auto_step;
 mod background;
+mod controls;
+mod counts;
 mod coupled;
 mod error;
+mod fluid_state;
 mod gpu_use;
+mod network_builder;
+mod network_source;
 mod observe;
 mod options;
 mod phases;
-mod remesh;
 mod remesher;
+mod saturation;
+mod state;
 mod time_step;
 mod viscous_bound;
 
 pub use active_network::PRESSURE_ERROR;
-pub use background::{NetworkBuilder, Order, StandardBuilder};
-pub use coupled::{Coupled, Saturation};
+pub use controls::Controls;
+pub use counts::{IntervalTrail, RemeshCounts, UpdateCounts};
+pub use coupled::Coupled;
 pub use error::CouplingError;
 pub use gpu_use::GpuUse;
+pub use network_builder::{NetworkBuilder, NetworkRequest, StandardBuilder};
 pub use observe::Observation;
 pub use options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 pub use phases::{Phase, Phases};
-pub use remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, UpdateCounts};
-pub(crate) use remesher::with_users_numbers;
-
+pub use saturation::{RemeshRule, Saturation};
+pub use state::{CoupledState, Parameters};
 pub use time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};

@@ -1,7 +1,7 @@
 //! What can be seen of a simulation between two steps.
 
-use super::Coupled;
-use crate::WallId;
+use super::coupled::Coupled;
+use crate::{Vec3, WallId};
 
 /// Scalars of the current state, for histories and progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,7 @@ impl Coupled {
         let bounds = dem.box_();
         let flow = self.flow();
         let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
-        let stress =
-            |force: crate::Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
+        let stress = |force: Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
         let contact_force = dem.wall_force();
         let largest_pressure =
             flow.map_or(0.0, |f| f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max));
@@ -81,8 +80,67 @@ impl Coupled {
 
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
-        let fluid = self.flow().map_or(crate::Vec3::zeros(), |f| f.wall_force()[wall.index()]);
+        let fluid = self.flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
         let force = self.dem.wall_force()[wall.index()] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
+    }
+
+    /// Values of single spheres by the user's numbers.
+    fn by_user<T: Copy + Default>(&self, values: impl IntoIterator<Item = T>) -> Vec<T> {
+        let id = &self.dem.particles().id;
+        let mut by_user = vec![T::default(); id.len()];
+        for (&id, value) in id.iter().zip(values) {
+            by_user[id as usize] = value;
+        }
+        by_user
+    }
+
+    /// Centre of each sphere (m), by the user's numbers.
+    pub fn positions(&self) -> Vec<Vec3> {
+        self.by_user(self.dem.particles().position.iter().copied())
+    }
+
+    /// Velocity of each sphere (m/s), by the user's numbers; half a time step
+    /// behind the positions.
+    pub fn velocities(&self) -> Vec<Vec3> {
+        self.by_user(self.dem.particles().velocity.iter().copied())
+    }
+
+    /// Force of the contacts on each sphere in the last step (N), by the
+    /// user's numbers.
+    pub fn contact_force(&self) -> Vec<Vec3> {
+        self.by_user(self.dem.forces().iter().copied())
+    }
+
+    /// The fluid's force on each sphere in the last step (N), by the user's
+    /// numbers; zero where the pores are empty.
+    pub fn fluid_force(&self) -> Vec<Vec3> {
+        self.by_user(self.flow().into_iter().flat_map(|flow| flow.force().iter().copied()))
+    }
+
+    /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
+    /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
+    pub fn pressure_at_spheres(&self) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.dem.particles().len()];
+        if let Some(flow) = self.flow() {
+            let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
+            for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
+                for &vertex in cell {
+                    if let Some(sum) = sums.get_mut(vertex as usize) {
+                        *sum = (sum.0 + v * p, sum.1 + v);
+                    }
+                }
+            }
+        }
+        let mean = |(weighted, volume)| if volume > 0.0 { weighted / volume } else { 0.0 };
+        self.by_user(sums.into_iter().map(mean))
+    }
+
+    /// Pressure of the pore that contained each watched point when the network was built
+    /// (Pa). NaN where there is no network, and for a point that was outside its box.
+    pub fn probe_pressures(&self) -> impl Iterator<Item = f64> + '_ {
+        let network = self.remesher.current.as_ref();
+        (0..self.probes.len())
+            .map(move |k| network.map_or(f64::NAN, |network| network.probe_pressure(k)))
     }
 }

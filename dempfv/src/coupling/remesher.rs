@@ -8,37 +8,32 @@
 //! positions of the moment: no pore ever strains by more than the limit.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::active_network::ActiveNetwork;
-use super::auto_interval::AutoInterval;
-use super::background::{
-    Answer, NetworkBuilder, Order, StandardBuilder, Ticket, Worker, complete, guarded,
-};
-use super::coupled::Saturation;
+use super::background::{Answer, Ticket};
+use super::counts::{IntervalTrail, RemeshCounts};
+use super::error::{CouplingError, Result};
+use super::fluid_state::{FluidState, Snapshot};
 use super::gpu_use::GpuUse;
+use super::network_builder::NetworkBuilder;
+use super::network_source::{NetworkSource, RemeshContext};
 use super::options::{Acceleration, OnFailure, RemeshMode, Swap};
 use super::phases::{Phase, Phases};
-use super::remesh::{FluidState, IntervalTrail, RemeshCounts, RemeshRule, Snapshot};
+use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
-use crate::dem::{Dem, Particles};
-use crate::pfv::{Extrapolation, Flow, ReusableAnalysis, TransferSource};
-use crate::{Error, Result};
+use crate::pfv::{Extrapolation, Flow, TransferSource};
 
 /// The network in use and the one that comes next.
 pub(super) struct Remesher {
     acceleration: Acceleration,
     /// What a solve may leave ([`Flow::set_tolerance`]); `None`: the flow's own.
     tolerance: Option<f64>,
-    builder: Arc<dyn NetworkBuilder>,
+    source: NetworkSource,
     pub current: Option<ActiveNetwork>,
-    /// Of a network that made room for its successor.
-    legacy: Option<Legacy>,
-    spare: Option<ReusableAnalysis>,
+    /// A network that made room for its successor.
+    retired: Option<Retired>,
     pending: Option<Pending>,
-    worker: Option<Worker>,
-    auto: AutoInterval,
     /// The next step has its network.
     prepared: bool,
     pub counts: RemeshCounts,
@@ -46,7 +41,7 @@ pub(super) struct Remesher {
 }
 
 /// What is left of a network that made room.
-struct Legacy {
+struct Retired {
     pressures: TransferSource,
     state: FluidState,
 }
@@ -60,15 +55,6 @@ struct Pending {
     answer: Option<Answer>,
 }
 
-/// What networks are built for, in a step.
-#[derive(Clone, Copy)]
-pub(super) struct Site<'a> {
-    pub dem: &'a Dem,
-    pub saturation: &'a Saturation,
-    /// Steps done.
-    pub step: u64,
-}
-
 /// What is due at a network's age.
 struct Due {
     /// Half of the interval or of the strain has gone by.
@@ -80,12 +66,12 @@ struct Due {
 }
 
 impl Due {
-    fn of(wet: &ActiveNetwork, rule: &RemeshRule, interval: Option<u64>) -> Due {
-        let since = wet.state.since;
+    fn of(network: &ActiveNetwork, rule: &RemeshRule, interval: Option<u64>) -> Due {
+        let since = network.state.since;
         // An interval of no steps would be one of every step.
         let old = |halves: u64| interval.is_some_and(|n| since >= n.max(1) * halves / 2);
-        let strain = wet.strain(rule);
-        let strained = strain > 1.0 || wet.state.worn;
+        let strain = network.strain(rule);
+        let strained = strain > 1.0 || network.state.exhausted;
         Due { half: old(1) || strain > 0.5 || strained, whole: old(2) || strained, strained }
     }
 }
@@ -95,13 +81,10 @@ impl Remesher {
         Remesher {
             acceleration: Acceleration::default(),
             tolerance: None,
-            builder: Arc::new(StandardBuilder),
+            source: NetworkSource::new(),
             current: None,
-            legacy: None,
-            spare: None,
+            retired: None,
             pending: None,
-            worker: None,
-            auto: AutoInterval::default(),
             prepared: false,
             counts: RemeshCounts::default(),
             gpu: GpuUse::default(),
@@ -120,9 +103,13 @@ impl Remesher {
 
     pub fn set_tolerance(&mut self, tolerance: f64) {
         self.tolerance = Some(tolerance);
-        if let Some(wet) = &mut self.current {
-            wet.flow.set_tolerance(tolerance);
+        if let Some(network) = &mut self.current {
+            network.flow.set_tolerance(tolerance);
         }
+    }
+
+    pub fn tolerance(&self) -> Option<f64> {
+        self.tolerance
     }
 
     /// Puts a network into use.
@@ -140,33 +127,31 @@ impl Remesher {
     /// Changes who builds networks.
     pub fn build_with(&mut self, builder: Arc<dyn NetworkBuilder>) {
         self.forget_pending();
-        self.worker = None;
-        self.builder = builder;
+        self.source.build_with(builder);
     }
 
     /// Frees every network, and cancels the one that is being built.
     pub fn clear(&mut self) {
         self.forget_pending();
         self.current = None;
-        self.legacy = None;
-        self.spare = None;
+        self.retired = None;
+        self.source.keep(None);
     }
 
-    /// The fluid has become another: all that may serve again is the analysis.
+    /// The fluid has become another, or the spheres are: all that may serve
+    /// again is the analysis.
     pub fn outdate(&mut self) {
         self.forget_pending();
-        self.legacy = None;
-        if let Some(wet) = self.current.take() {
-            self.spare = wet.flow.retire().1;
+        self.retired = None;
+        if let Some(network) = self.current.take() {
+            self.source.keep(network.flow.retire().1);
         }
     }
 
     fn forget_pending(&mut self) {
         self.prepared = false;
         self.pending = None;
-        if let Some(worker) = &mut self.worker {
-            worker.cancel();
-        }
+        self.source.cancel();
     }
 
     /// True when the next step needs neither a new network nor positions for
@@ -176,8 +161,8 @@ impl Remesher {
             return true;
         }
         let interval = self.interval(rule);
-        let Some(wet) = &self.current else { return false };
-        let due = Due::of(wet, rule, interval);
+        let Some(network) = &self.current else { return false };
+        let due = Due::of(network, rule, interval);
         match (self.acceleration.remesh, &self.pending) {
             (RemeshMode::AtOnce, _) => !due.whole,
             (_, None) => !due.half,
@@ -191,9 +176,9 @@ impl Remesher {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn prepare(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
+    pub fn prepare(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<()> {
         if !self.prepared {
-            self.renew(site, phases)?;
+            self.renew(context, phases)?;
             self.prepared = true;
         }
         Ok(())
@@ -205,41 +190,43 @@ impl Remesher {
     }
 
     /// Takes into use, and orders, what is due.
-    fn renew(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
+    fn renew(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<()> {
         // Positions without a network in use are those of a remesh that failed
         // after the old one had made room.
-        if self.current.is_none() && !(self.pending.is_some() && self.swap(site, phases)?) {
-            self.build_here(site, phases)?;
+        if self.current.is_none() && !(self.pending.is_some() && self.swap(context, phases)?) {
+            self.build_here(context, phases)?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
-            return self.prepare_ahead(site, phases);
+            return self.prepare_ahead(context, phases);
         }
-        let rule = &site.saturation.remesh;
+        let rule = &context.saturation.remesh;
         let interval = self.interval(rule);
         match &self.current {
-            Some(wet) if Due::of(wet, rule, interval).whole => self.build_here(site, phases),
+            Some(network) if Due::of(network, rule, interval).whole => {
+                self.build_here(context, phases)
+            }
             _ => Ok(()),
         }
     }
 
     /// Takes positions when they are due, and their network into use.
-    fn prepare_ahead(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
-        let rule = &site.saturation.remesh;
+    fn prepare_ahead(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<()> {
+        let rule = &context.saturation.remesh;
         let mut swapped = false;
         loop {
             let interval = self.interval(rule);
-            let Some(wet) = &self.current else { return Ok(()) };
-            let due = Due::of(wet, rule, interval);
+            let Some(network) = &self.current else { return Ok(()) };
+            let due = Due::of(network, rule, interval);
             if self.pending.is_none() {
                 if !due.half {
                     return Ok(());
                 }
-                self.pending = Some(Pending::new(Snapshot::of(site.dem, site.step)));
-                self.submit(site)?;
+                self.pending = Some(Pending::new(Snapshot::of(context.dem, context.step)));
+                self.submit(context)?;
             }
             // Once a step at most, however fast the background is.
             let ready = !swapped && self.is_ready_to_swap();
-            if !(ready || self.must_swap(&due)) || !self.swap(site, phases)? {
+            if !(ready || self.must_swap(&due)) || !self.swap(context, phases)? {
                 return Ok(());
             }
             swapped = true;
@@ -247,15 +234,10 @@ impl Remesher {
     }
 
     /// Hands the pending positions to the background, if there is one.
-    fn submit(&mut self, site: Site) -> Result<()> {
+    fn submit(&mut self, context: RemeshContext) -> Result<()> {
         let Some(mut pending) = self.pending.take() else { return Ok(()) };
         if self.acceleration.remesh == RemeshMode::Background {
-            let order = self.order(&pending.snapshot, site);
-            let worker = match &mut self.worker {
-                Some(worker) => worker,
-                none => none.insert(Worker::start(Arc::clone(&self.builder))?),
-            };
-            pending.ticket = Some(worker.submit(order));
+            pending.ticket = Some(self.source.submit(&pending.snapshot, context)?);
         }
         self.pending = Some(pending);
         Ok(())
@@ -271,43 +253,41 @@ impl Remesher {
         if self.acceleration.swap == Swap::WhenDue {
             return false;
         }
-        let (Some(pending), Some(worker)) = (&mut self.pending, &mut self.worker) else {
-            return false;
-        };
+        let Some(pending) = &mut self.pending else { return false };
         if let Some(ticket) = pending.ticket.filter(|_| pending.answer.is_none()) {
-            pending.answer = worker.try_take(ticket);
+            pending.answer = self.source.try_take(ticket);
         }
         pending.answer.is_some()
     }
 
     /// Takes the network of the pending positions into use. False when it could
     /// not be built and the old one stays.
-    fn swap(&mut self, site: Site, phases: &mut Phases) -> Result<bool> {
+    fn swap(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<bool> {
         let Some(pending) = self.pending.take() else { return Ok(false) };
         let Pending { snapshot, ticket, answer } = pending;
-        let built = match (answer, ticket, &mut self.worker) {
-            (Some(answer), ..) => self.unpack(answer),
-            (None, Some(ticket), Some(_)) => {
-                let answer = self.wait(ticket, phases);
-                self.unpack(answer)
+        let built = match (answer, ticket) {
+            (Some(answer), _) => self.source.unpack(answer, &mut self.counts),
+            (None, Some(ticket)) => {
+                let answer = self.source.wait(ticket, &mut self.counts, phases);
+                self.source.unpack(answer, &mut self.counts)
             }
-            _ => {
+            (None, None) => {
                 if self.acceleration.on_failure == OnFailure::Stop {
-                    self.make_room(site.step);
+                    self.make_room();
                 }
-                self.build(&snapshot, site, phases)
+                self.source.build(&snapshot, context, phases)
             }
         };
         match built {
             Ok(flow) => {
-                self.install(flow, snapshot, site, phases);
+                self.install(flow, snapshot, context, phases);
                 Ok(true)
             }
             Err(_) if self.acceleration.on_failure == OnFailure::Retry => {
                 self.counts.failures += 1;
-                if let Some(wet) = &mut self.current {
-                    wet.state.since = 0;
-                    wet.state.worn = false;
+                if let Some(network) = &mut self.current {
+                    network.state.since = 0;
+                    network.state.exhausted = false;
                 }
                 Ok(false)
             }
@@ -315,118 +295,85 @@ impl Remesher {
                 let step = snapshot.step;
                 // For a checkpoint: a restart tries the same again.
                 self.pending = Some(Pending::new(snapshot));
-                let source = Box::new(with_users_numbers(error, site.dem.particles()));
-                Err(if step == site.step { *source } else { Error::Snapshot { step, source } })
+                let error = error.with_numbers(&context.dem.particles().id);
+                Err(match step == context.step {
+                    true => error,
+                    false => CouplingError::Snapshot { step, source: Box::new(error) },
+                })
             }
         }
     }
 
-    /// Waits for the background, and counts if it was not ready.
-    fn wait(&mut self, ticket: Ticket, phases: &mut Phases) -> Answer {
-        let Some(worker) = &mut self.worker else { return Answer::lost(ticket) };
-        if let Some(answer) = worker.try_take(ticket) {
-            return answer;
-        }
-        let start = Instant::now();
-        let answer = worker.take(ticket);
-        let waited = start.elapsed();
-        phases.add(Phase::Wait, waited);
-        self.counts.waits += 1;
-        self.counts.waited += waited;
-        answer
-    }
-
-    /// Books what the background did.
-    fn unpack(&mut self, answer: Answer) -> Result<Flow> {
-        self.auto.built(answer.took);
-        let flow = answer.flow?;
-        self.counts.background += flow.build_times();
-        Ok(flow)
-    }
-
     /// Frees the network in use but for what its successor needs.
-    fn make_room(&mut self, step: u64) {
-        if let Some(wet) = self.current.take() {
-            let state = wet.saved(step);
-            let (pressures, spare) = wet.flow.retire();
-            self.legacy = Some(Legacy { pressures, state });
-            self.spare = spare;
+    fn make_room(&mut self) {
+        if let Some(network) = self.current.take() {
+            let state = network.saved();
+            let (pressures, reusable) = network.flow.retire();
+            self.retired = Some(Retired { pressures, state });
+            self.source.keep(reusable);
         }
-    }
-
-    fn order(&mut self, snapshot: &Snapshot, site: Site) -> Order {
-        Order {
-            position: snapshot.position.clone(),
-            radius: site.dem.particles().radius.clone(),
-            bounds: snapshot.bounds,
-            fluid: site.saturation.fluid,
-            solver: site.saturation.solver,
-            spare: self.spare.take(),
-        }
-    }
-
-    /// Builds a network while the time loop waits.
-    fn build(&mut self, snapshot: &Snapshot, site: Site, phases: &mut Phases) -> Result<Flow> {
-        let order = self.order(snapshot, site);
-        let never = AtomicBool::new(false);
-        let flow = guarded(|| self.builder.build(order, &never)).and_then(complete)?;
-        let times = flow.build_times();
-        self.auto.built(times.total());
-        phases.book_build(times);
-        Ok(flow)
     }
 
     /// Builds the network of the moment in the place of the one in use.
-    fn build_here(&mut self, site: Site, phases: &mut Phases) -> Result<()> {
-        self.make_room(site.step);
-        let snapshot = Snapshot::of(site.dem, site.step);
+    fn build_here(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<()> {
+        self.make_room();
+        let snapshot = Snapshot::of(context.dem, context.step);
         let flow = self
-            .build(&snapshot, site, phases)
-            .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
-        self.install(flow, snapshot, site, phases);
+            .source
+            .build(&snapshot, context, phases)
+            .map_err(|e| e.with_numbers(&context.dem.particles().id))?;
+        self.install(flow, snapshot, context, phases);
         Ok(())
     }
 
     /// Takes a network into use: it goes on from the pressures of the old one,
     /// which is freed.
-    fn install(&mut self, mut flow: Flow, snapshot: Snapshot, site: Site, phases: &mut Phases) {
+    fn install(
+        &mut self,
+        mut flow: Flow,
+        snapshot: Snapshot,
+        context: RemeshContext,
+        phases: &mut Phases,
+    ) {
         let start = Instant::now();
         self.count(&flow);
-        let beside = self.current.as_ref().map(|wet| wet.flow.has_pattern_of(&flow));
-        self.make_room(site.step);
+        let beside = self.current.as_ref().map(|network| network.flow.has_pattern_of(&flow));
+        self.make_room();
         // Two networks at once take enough memory. Only where the one after
         // next may be expected to have the old pattern too is a factor kept.
         if beside == Some(false) {
-            self.spare = None;
+            self.source.keep(None);
         }
         let mut fastest = FastestMode::default();
-        if let Some(Legacy { pressures, state }) = self.legacy.take() {
+        if let Some(Retired { pressures, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
-            self.counts.replaced(site.step - state.snapshot.step);
+            self.counts.replaced(context.step - state.snapshot.step);
         }
-        let volume_change = match site.saturation.remesh.strain {
+        let volume_change = match context.saturation.remesh.strain {
             None => vec![],
-            Some(_) if snapshot.step == site.step => vec![0.0; flow.network().pores()],
+            Some(_) if snapshot.step == context.step => vec![0.0; flow.network().pores()],
             Some(_) => {
-                let now =
-                    flow.network().volumes_at(&site.dem.particles().position, &site.dem.box_());
+                let now = flow
+                    .network()
+                    .volumes_at(&context.dem.particles().position, &context.dem.box_());
                 now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
             }
         };
         let state = FluidState {
-            step: site.step,
             snapshot,
+            followed: None,
             since: 0,
             volume_change,
+            volume_rate: vec![],
             resistance: [None; 6],
-            worn: false,
+            exhausted: false,
             extrapolation: Extrapolation::default(),
             pending: None,
             fastest,
         };
         self.put_to_use(flow, state);
-        self.auto.swapped();
+        self.source.auto_interval.swapped();
         phases.add(Phase::Swap, start.elapsed());
     }
 
@@ -438,7 +385,11 @@ impl Remesher {
 
     /// The interval in force.
     fn interval(&self, rule: &RemeshRule) -> Option<u64> {
-        if self.acceleration.auto_interval { self.auto.interval() } else { rule.interval }
+        if self.acceleration.auto_interval {
+            self.source.auto_interval.interval()
+        } else {
+            rule.interval
+        }
     }
 
     /// The interval in force, and what it follows from.
@@ -447,20 +398,20 @@ impl Remesher {
         if !self.acceleration.auto_interval {
             return IntervalTrail { interval, ..IntervalTrail::default() };
         }
-        let background_s = self.auto.background_s();
-        let steps_per_s = self.auto.steps_per_s().unwrap_or(0.0);
+        let background_s = self.source.auto_interval.background_s();
+        let steps_per_s = self.source.auto_interval.steps_per_s().unwrap_or(0.0);
         IntervalTrail { interval, background_s, steps_per_s }
     }
 
     /// Books the time of a step without its remesh.
     pub fn stepped(&mut self, took: Duration) {
-        self.auto.stepped(took);
+        self.source.auto_interval.stepped(took);
     }
 
-    /// What a checkpoint needs after so many steps.
-    pub fn state(&self, step: u64) -> Option<FluidState> {
-        let kept = self.legacy.as_ref().map(|legacy| legacy.state.clone());
-        let state = self.current.as_ref().map(|wet| wet.saved(step)).or(kept)?;
+    /// What a checkpoint needs.
+    pub fn state(&self) -> Option<FluidState> {
+        let kept = self.retired.as_ref().map(|retired| retired.state.clone());
+        let state = self.current.as_ref().map(ActiveNetwork::saved).or(kept)?;
         let pending = self.pending.as_ref().map(|pending| pending.snapshot.clone());
         Some(FluidState { pending, ..state })
     }
@@ -473,24 +424,27 @@ impl Remesher {
     pub fn restore(
         &mut self,
         mut state: FluidState,
-        site: Site,
+        context: RemeshContext,
         phases: &mut Phases,
     ) -> Result<()> {
         self.clear();
         let pending = state.pending.take();
-        let mut flow = self
-            .build(&state.snapshot, site, phases)
-            .map_err(|e| with_users_numbers(e, site.dem.particles()))?;
+        let flow = self
+            .source
+            .build(&state.snapshot, context, phases)
+            .map_err(|e| e.with_numbers(&context.dem.particles().id))?;
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
-        flow.restore_pressures(&state.extrapolation);
-        if site.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
+        if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network().pores()];
         }
         self.put_to_use(flow, state);
+        if let Some(network) = &mut self.current {
+            network.resume()?;
+        }
         if self.acceleration.remesh != RemeshMode::AtOnce {
             self.pending = pending.map(Pending::new);
-            self.submit(site)?;
+            self.submit(context)?;
         }
         Ok(())
     }
@@ -499,14 +453,5 @@ impl Remesher {
 impl Pending {
     fn new(snapshot: Snapshot) -> Pending {
         Pending { snapshot, ticket: None, answer: None }
-    }
-}
-
-/// An error of the pore network with the user's numbers of the spheres, which
-/// the mechanics keeps in another order.
-pub(crate) fn with_users_numbers(error: Error, particles: &Particles) -> Error {
-    match error {
-        Error::Pfv(error) => Error::Pfv(error.with_numbers(&particles.id)),
-        other => other,
     }
 }

@@ -75,6 +75,45 @@ impl TimeStepBounds {
     }
 }
 
+/// Steps between two looks at the automatic time step.
+const STEPS_BETWEEN_LOOKS: u64 = 50;
+
+/// The automatic time step between two looks at what bounds it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct AutoTimeStep {
+    /// The bounds of the last look.
+    bounds: Option<TimeStepBounds>,
+    /// Steps left until the next.
+    left: u64,
+}
+
+impl AutoTimeStep {
+    /// The bounds of the last look; `None` where the next step looks anew.
+    pub fn known(&self) -> Option<TimeStepBounds> {
+        self.bounds.filter(|_| self.left > 0)
+    }
+
+    /// The bounds of the last look.
+    pub fn last(&self) -> Option<TimeStepBounds> {
+        self.bounds
+    }
+
+    /// Takes what a look has found.
+    pub fn looked(&mut self, bounds: TimeStepBounds) {
+        *self = AutoTimeStep { bounds: Some(bounds), left: STEPS_BETWEEN_LOOKS };
+    }
+
+    /// A step goes by without a look.
+    pub fn pass(&mut self) {
+        self.left = self.left.saturating_sub(1);
+    }
+
+    /// Makes the next step look.
+    pub fn refresh(&mut self) {
+        self.left = 0;
+    }
+}
+
 impl std::fmt::Display for TimeStepRule {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {

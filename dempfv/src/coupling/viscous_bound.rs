@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{TimeStepBounds, viscous_time_step};
-use crate::Result;
+use super::error::Result;
+use super::time_step::{TimeStepBounds, viscous_time_step};
 use crate::dem::{Dem, WallControl};
 use crate::pfv::{Flow, ViscousMode};
 
-/// A viscous bound of more than so many times the contacts' need not be known
-/// well: it takes less than this share of their step away.
-const IRRELEVANT: f64 = 50.0;
+/// A viscous bound of more than so many times the contacts' (1) need not be
+/// known well: it takes less than this share of their step away.
+const NEGLIGIBLE_BOUND_RATIO: f64 = 50.0;
 
 /// The fastest viscous mode of the network in use, or of one before it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,9 @@ impl FastestMode {
         let start = self.mode.as_ref().map(|m| &m.shape[..]);
         let negligible = match exact {
             true => 0.0,
-            false => bound_of(IRRELEVANT * dem.safe_time_step(1.0), dem.options().damping),
+            false => {
+                bound_of(NEGLIGIBLE_BOUND_RATIO * dem.safe_time_step(1.0), dem.options().damping)
+            }
         };
         self.mode = flow.viscous_mode(&dem.particles().mass, servo, start, negligible)?;
         self.servo = Some(servo);

@@ -60,6 +60,17 @@ pub enum DemError {
         /// The user's number of the other.
         second: u32,
     },
+    /// A fixed time step is larger than the contacts allow.
+    #[error(
+        "the time step of {dt:e} s is not stable: the contacts of the spheres, as large as they are \
+         now, allow {limit:.3e} s; take less, or the automatic one (`dt = \"auto\"`)"
+    )]
+    TimeStepTooLarge {
+        /// The time step (s).
+        dt: f64,
+        /// The largest stable one (s).
+        limit: f64,
+    },
     /// Two opposite walls have met.
     #[error("the walls {lower} and {upper} have met: the box has no volume")]
     WallsMet {

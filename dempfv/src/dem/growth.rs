@@ -72,6 +72,8 @@ pub struct GrowthCompaction {
     passed: bool,
     /// Time step in use (s).
     dt: f64,
+    /// See [`GrowthCompaction::set_time_step`].
+    fixed_dt: Option<f64>,
 }
 
 impl GrowthCompaction {
@@ -93,12 +95,18 @@ impl GrowthCompaction {
         positive("unbalanced_tolerance", options.unbalanced_tolerance)?;
         positive("stress_tolerance", options.stress_tolerance)?;
         let status = GrowthStatus { steps: 0, stress: 0.0, unbalanced: 0.0, done: false };
-        Ok(GrowthCompaction { options, status, passed: false, dt: 0.0 })
+        Ok(GrowthCompaction { options, status, passed: false, dt: 0.0, fixed_dt: None })
     }
 
     /// Changes after how many steps in all it gives up.
     pub fn set_max_steps(&mut self, max_steps: u64) {
         self.options.max_steps = max_steps;
+    }
+
+    /// Fixes the time step (s); `None`: the largest that is safe, chosen anew
+    /// at each control step.
+    pub fn set_time_step(&mut self, dt: Option<f64>) {
+        self.fixed_dt = dt;
     }
 
     /// Where the compaction stands.
@@ -114,7 +122,9 @@ impl GrowthCompaction {
     /// One time step, unless the packing is at rest already.
     ///
     /// # Errors
-    /// [`DemError::NotSettled`] when the steps are used up; and as
+    /// [`DemError::NotSettled`] when the steps are used up,
+    /// [`DemError::TimeStepTooLarge`] when a fixed time step is not stable (at
+    /// each control step: the bound changes with the radii); and as
     /// [`Dem::step`].
     pub fn step(&mut self, dem: &mut Dem) -> Result<GrowthStatus, DemError> {
         if self.status.done {
@@ -162,8 +172,10 @@ impl GrowthCompaction {
         // An early burst of stress must not shrink the spheres to nothing.
         let factor = (1.0 + missing * (largest - 1.0)).max(0.9);
         dem.scale_radii(factor)?;
-        let safety = self.options.time_step_safety;
-        self.dt = dem.safe_time_step(safety);
+        self.dt = match self.fixed_dt {
+            None => dem.safe_time_step(self.options.time_step_safety),
+            Some(dt) => stable(dt, dem.safe_time_step(1.0))?,
+        };
         Ok(())
     }
 
@@ -173,5 +185,13 @@ impl GrowthCompaction {
             return Ok(());
         }
         Err(DemError::NotSettled { steps, stress, goal: self.options.stress, unbalanced })
+    }
+}
+
+/// A time step (s) that is not above its limit.
+fn stable(dt: f64, limit: f64) -> Result<f64, DemError> {
+    match dt <= limit {
+        true => Ok(dt),
+        false => Err(DemError::TimeStepTooLarge { dt, limit }),
     }
 }

@@ -29,6 +29,7 @@
 
 mod batch;
 mod cloud;
+mod contact_forces;
 mod contacts;
 mod error;
 mod grid;
@@ -46,6 +47,8 @@ mod rng;
 mod state;
 mod system;
 mod walls;
+
+pub(crate) use contact_forces::ContactForces;
 
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
 pub use contacts::{Contact, Partner};

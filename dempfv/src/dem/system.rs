@@ -44,7 +44,7 @@ pub struct Dem {
     /// See [`DemState::pending_dt`].
     pending_dt: f64,
     pub(super) list: Neighbours,
-    forces: Forces,
+    pub(super) forces: Forces,
     /// Centre and radius of each sphere, as the contact pass reads them.
     pub(super) centre: Vec<[f64; 4]>,
     pub(super) wall_sums: [WallSum; 6],

@@ -5,7 +5,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::{Error, Result};
+use crate::io::IoError;
+use crate::io::error::Result;
 
 /// A file that is written beside its place and takes it on
 /// [`commit`](AtomicFile::commit); dropped before that, it leaves nothing
@@ -37,7 +38,7 @@ impl AtomicFile {
     /// Opens a temporary file in the folder of `path`, or what is no file.
     ///
     /// # Errors
-    /// [`Error::Io`] when the folder is missing or not writable.
+    /// [`IoError::File`] when the folder is missing or not writable.
     pub fn create(path: &Path) -> Result<Self> {
         let (file, temporary) = if is_pipe_or_device(path) {
             (File::options().write(true).open(path), None)
@@ -45,7 +46,7 @@ impl AtomicFile {
             let temporary = Temporary(temporary_name(path));
             (File::create(&temporary.0), Some(temporary))
         };
-        let file = file.map_err(|e| Error::io(path, e))?;
+        let file = file.map_err(|e| IoError::file(path, e))?;
         let writer = BufWriter::with_capacity(1 << 18, file);
         Ok(AtomicFile { writer, path: path.to_owned(), temporary })
     }
@@ -53,7 +54,7 @@ impl AtomicFile {
     /// Puts the file in its place.
     ///
     /// # Errors
-    /// [`Error::Io`] when the rest cannot be written (a full disk) or the file
+    /// [`IoError::File`] when the rest cannot be written (a full disk) or the file
     /// cannot be renamed; then nothing of it remains.
     pub fn commit(self) -> Result<()> {
         self.finish(false)
@@ -70,7 +71,7 @@ impl AtomicFile {
     }
 
     fn finish(mut self, durably: bool) -> Result<()> {
-        let io = |e| Error::io(&self.path, e);
+        let io = |e| IoError::file(&self.path, e);
         self.writer.flush().map_err(io)?;
         let Some(temporary) = &self.temporary else { return Ok(()) };
         if durably {
@@ -93,7 +94,7 @@ impl Write for AtomicFile {
 /// Writes `contents` to `path`, whole or not at all.
 ///
 /// # Errors
-/// [`Error::Io`], as [`AtomicFile`].
+/// [`IoError::File`], as [`AtomicFile`].
 pub fn write(path: &Path, contents: &[u8]) -> Result<()> {
     write_with(path, |file| file.write_all(contents))
 }
@@ -101,10 +102,10 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<()> {
 /// Writes to `path` what `fill` writes, whole or not at all.
 ///
 /// # Errors
-/// [`Error::Io`], as [`AtomicFile`], and what `fill` returns.
+/// [`IoError::File`], as [`AtomicFile`], and what `fill` returns.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
-    fill(&mut file).map_err(|e| Error::io(path, e))?;
+    fill(&mut file).map_err(|e| IoError::file(path, e))?;
     file.commit()
 }
 

@@ -12,11 +12,13 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::atomic::AtomicFile;
-use crate::{Error, InputError, Result};
+use crate::input::InputError;
+use crate::io::IoError;
+use crate::io::error::Result;
 
 const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
 
@@ -24,11 +26,11 @@ const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
 /// has the new one.
 ///
 /// # Errors
-/// [`Error::Io`] when the file cannot be written; nothing partial remains and
+/// [`IoError::File`] when the file cannot be written; nothing partial remains and
 /// an older checkpoint of that name stands.
 pub fn save<T: Serialize>(path: &Path, state: &T) -> Result<()> {
     let body = postcard::to_stdvec(state).map_err(|e| {
-        Error::io(path, io::Error::other(format!("the state cannot be stored: {e}")))
+        IoError::file(path, io::Error::other(format!("the state cannot be stored: {e}")))
     })?;
     let mut head = Vec::with_capacity(64);
     head.extend_from_slice(MAGIC);
@@ -40,7 +42,7 @@ pub fn save<T: Serialize>(path: &Path, state: &T) -> Result<()> {
     let mut file = AtomicFile::create(path)?;
     io::Write::write_all(&mut file, &head)
         .and_then(|()| io::Write::write_all(&mut file, &body))
-        .map_err(|e| Error::io(path, e))?;
+        .map_err(|e| IoError::file(path, e))?;
     file.commit_durably()
 }
 

@@ -5,7 +5,9 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::{Error, InputError, Result};
+use crate::input::InputError;
+use crate::io::IoError;
+use crate::io::error::Result;
 
 /// Rows reach the file at least this often (and when the table is dropped).
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
@@ -71,9 +73,9 @@ impl History {
     /// its unit where it has one (`time_s`, `wall_stress_y_max_pa`).
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be written.
+    /// [`IoError::File`] when the file cannot be written.
     pub fn create(path: &Path, columns: &[&str]) -> Result<History> {
-        let file = File::create(path).map_err(|e| Error::io(path, e))?;
+        let file = File::create(path).map_err(|e| IoError::file(path, e))?;
         let mut history = History::on(file, path, columns.len());
         history.pending.extend_from_slice(&header(columns));
         history.flush()?;
@@ -87,7 +89,7 @@ impl History {
     ///
     /// # Errors
     /// [`InputError`] when the file's columns are not these or a row has no
-    /// step; [`Error::Io`] when the file cannot be read or written.
+    /// step; [`IoError::File`] when the file cannot be read or written.
     pub fn resume(
         path: &Path,
         columns: &[&str],
@@ -98,15 +100,15 @@ impl History {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
                 return History::create(path, columns);
             }
-            other => other.map_err(|e| Error::io(path, e))?,
+            other => other.map_err(|e| IoError::file(path, e))?,
         };
         let mut text = Vec::new();
-        file.read_to_end(&mut text).map_err(|e| Error::io(path, e))?;
+        file.read_to_end(&mut text).map_err(|e| IoError::file(path, e))?;
         let keep =
             length_up_to(&text, columns, step_column, last_step).map_err(|e| e.in_file(path))?;
         file.set_len(keep as u64)
             .and_then(|()| file.seek(SeekFrom::End(0)))
-            .map_err(|e| Error::io(path, e))?;
+            .map_err(|e| IoError::file(path, e))?;
         Ok(History::on(file, path, columns.len()))
     }
 
@@ -119,13 +121,13 @@ impl History {
     /// it, or on [`flush`](History::flush) or drop.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be written, or when the row has not
+    /// [`IoError::File`] when the file cannot be written, or when the row has not
     /// one value per column.
     pub fn row(&mut self, values: &[Value]) -> Result<()> {
         if values.len() != self.columns {
             let what = format!("a row of {} values in {} columns", values.len(), self.columns);
             let error = std::io::Error::new(std::io::ErrorKind::InvalidInput, what);
-            return Err(Error::io(&self.path, error));
+            return Err(IoError::file(&self.path, error));
         }
         for (i, value) in values.iter().enumerate() {
             if i > 0 {
@@ -143,12 +145,12 @@ impl History {
     /// Hands all rows so far to the system.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be written.
+    /// [`IoError::File`] when the file cannot be written.
     pub fn flush(&mut self) -> Result<()> {
         let written = self.file.write_all(&self.pending);
         self.pending.clear();
         self.flushed = Instant::now();
-        written.map_err(|e| Error::io(&self.path, e))
+        written.map_err(|e| IoError::file(&self.path, e))
     }
 }
 

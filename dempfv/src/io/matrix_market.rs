@@ -10,7 +10,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::atomic;
-use crate::error::{Error, InputError, Result};
+use crate::input::InputError;
+use crate::io::IoError;
+use crate::io::error::Result;
 use crate::solver::SymmetricCsc;
 
 const FIRST_LINE: &str = "the first line must be `%%MatrixMarket matrix \
@@ -61,7 +63,7 @@ pub fn read_vector(path: &Path, n: usize) -> Result<Vec<f64>> {
 /// same bits.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be written.
+/// [`IoError::File`] if the file cannot be written.
 pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
     atomic::write_with(path, |file| {
         writeln!(file, "%%MatrixMarket matrix coordinate real symmetric")?;
@@ -79,7 +81,7 @@ pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
 /// bits.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be written.
+/// [`IoError::File`] if the file cannot be written.
 pub fn write_vector(path: &Path, vector: &[f64]) -> Result<()> {
     atomic::write_with(path, |file| {
         writeln!(file, "%%MatrixMarket matrix array real general")?;
@@ -264,7 +266,7 @@ impl<'a> File<'a> {
         }
     }
 
-    fn wrong(&self, line: usize, what: String, remedy: &str) -> Error {
+    fn wrong(&self, line: usize, what: String, remedy: &str) -> IoError {
         InputError::new(what, remedy).in_file(self.path).at_line(line).into()
     }
 

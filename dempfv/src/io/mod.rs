@@ -5,7 +5,10 @@
 
 pub mod atomic;
 pub mod checkpoint;
+mod error;
 pub mod history;
 pub mod matrix_market;
 pub mod packing;
 pub mod vtk;
+
+pub use error::IoError;

@@ -13,7 +13,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::atomic;
-use crate::{Aabb, InputError, Result, Vec3};
+use crate::input::InputError;
+use crate::io::error::Result;
+use crate::{Aabb, Vec3};
 
 const LINE_FORM: &str = "a line is `x y z r` in metres, separated by blanks";
 const BOX_FORM: &str = "the form is `# box xmin ymin zmin xmax ymax zmax` in metres";
@@ -178,7 +180,7 @@ impl Packing {
 /// `comment` becomes a comment line at its head.
 ///
 /// # Errors
-/// [`crate::Error::Io`] when the file cannot be written; nothing partial
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written; nothing partial
 /// remains.
 pub fn write(
     path: &Path,

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use super::flow::{FlowParts, unknown_points};
 use super::{
-    BackendChoice, BuildTimes, Flow, Fluid, ImposedPressure, Network, Operators, PfvError,
-    PoreConditions, ReusableAnalysis,
+    BuildTimes, Flow, Fluid, ImposedPressure, Network, Operators, PfvError, PoreConditions,
+    ReusableAnalysis,
 };
-use crate::solver::{Factor, Symbolic};
+use crate::solver::{Backend, Factor, Solver, Symbolic};
 use crate::{Aabb, Vec3};
 
 /// First phase: a network and its operators. What only served to make them
@@ -28,7 +28,7 @@ pub struct Assembled {
 #[derive(Debug)]
 pub struct Analyzed {
     assembled: Assembled,
-    solver: BackendChoice,
+    solver: Solver,
     analysis: Analysis,
 }
 
@@ -104,7 +104,7 @@ impl Assembled {
     /// [`PfvError::Solver`] as [`Backend::analyze`](crate::solver::Backend::analyze).
     pub fn analyze(
         mut self,
-        solver: impl Into<BackendChoice>,
+        solver: impl Into<Solver>,
         reusable: Option<ReusableAnalysis>,
     ) -> Result<Analyzed, PfvError> {
         let solver = solver.into();
@@ -115,7 +115,7 @@ impl Assembled {
         let analysis = match reusable {
             _ if matrix.n == 0 => Analysis::Nothing,
             Some(reusable) => Analysis::Reused(reusable.into_factor()),
-            None => Analysis::Fresh(solver.analyze(matrix, &points)?),
+            None => Analysis::Fresh(solver.analyze(matrix, Some(&points))?),
         };
         self.times.analyze = start.elapsed();
         Ok(Analyzed { assembled: self, solver, analysis })
@@ -165,7 +165,7 @@ impl Flow {
         radius: &[f64],
         bounds: Aabb,
         fluid: &Fluid,
-        solver: impl Into<BackendChoice>,
+        solver: impl Into<Solver>,
     ) -> Result<Flow, PfvError> {
         Flow::with_imposed(position, radius, bounds, fluid, &[], solver)
     }
@@ -201,7 +201,7 @@ impl Flow {
         bounds: Aabb,
         fluid: &Fluid,
         imposed: &[ImposedPressure],
-        solver: impl Into<BackendChoice>,
+        solver: impl Into<Solver>,
     ) -> Result<Flow, PfvError> {
         let assembled = Assembled::with_imposed(position, radius, bounds, fluid, imposed)?;
         assembled.analyze(solver, None)?.factor()

@@ -6,11 +6,11 @@ use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::pressure_solver::{PressureProblem, PressureSolver};
 use super::{
-    BackendChoice, BuildTimes, Fluid, ImposedPressure, Network, Operators, PfvError,
-    ReusableAnalysis, TransferSource,
+    BuildTimes, Fluid, ImposedPressure, Network, Operators, PfvError, ReusableAnalysis,
+    TransferSource,
 };
 use crate::parallel::SERIAL;
-use crate::solver::{Factor, Iterations, Placement};
+use crate::solver::{Factor, Iterations, Placement, Solver};
 use crate::{Aabb, Vec3, WallId};
 
 /// Pore pressures of a packing, and the fluid's forces on it.
@@ -47,7 +47,7 @@ pub struct Flow {
     fluid: Fluid,
     radius: Vec<f64>,
     imposed: Vec<ImposedPressure>,
-    backend: BackendChoice,
+    backend: Solver,
     build_times: BuildTimes,
     analysis_reused: bool,
     /// State: what a checkpoint holds.
@@ -67,7 +67,7 @@ pub(super) struct FlowParts {
     pub operators: Operators,
     /// `None` when every pore has an imposed pressure.
     pub factor: Option<Box<dyn Factor>>,
-    pub backend: BackendChoice,
+    pub backend: Solver,
     pub radius: Vec<f64>,
     pub fluid: Fluid,
     pub imposed: Vec<ImposedPressure>,
@@ -161,7 +161,7 @@ impl Flow {
     }
 
     /// The solver that the flow was built with.
-    pub fn backend(&self) -> &BackendChoice {
+    pub fn backend(&self) -> &Solver {
         &self.backend
     }
 
@@ -320,9 +320,13 @@ impl Flow {
     }
 
     /// Goes on from the pressures of an earlier flow through the same network,
-    /// so that the next solve has the same bits. Pressures of another number of
-    /// pores are ignored.
-    pub fn restore_pressures(&mut self, extrapolation: &Extrapolation) {
+    /// so that the next solve has the same bits; fluxes are those of pores that
+    /// grow at the rates given (m³/s). Values of another number of pores are
+    /// ignored.
+    pub fn restore_pressures(&mut self, extrapolation: &Extrapolation, volume_rate: &[f64]) {
+        if volume_rate.len() == self.volume_rate.len() {
+            self.volume_rate.copy_from_slice(volume_rate);
+        }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
             self.solver.statistics.solved = self.extrapolation.is_solution();

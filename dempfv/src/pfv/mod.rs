@@ -10,7 +10,6 @@
 //! them as huge spheres.
 
 mod angle;
-mod backend_choice;
 mod boundary;
 mod boundary_flux;
 mod build;
@@ -30,7 +29,6 @@ mod locate;
 mod network;
 mod operators;
 mod packing_check;
-mod polyhedra;
 mod pore;
 mod pore_batch;
 mod pressure_solver;
@@ -43,7 +41,6 @@ mod transfer;
 mod viscous;
 
 pub use crate::solver::Iterations;
-pub use backend_choice::BackendChoice;
 pub use boundary::{Boundary, ImposedPressure, PoreConditions, PoreSelection};
 pub use build::{Analyzed, Assembled};
 pub use build_times::BuildTimes;

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::BackendChoice;
-use crate::solver::{Factor, SymmetricCsc};
+use crate::solver::{Factor, Solver, SymmetricCsc};
 
 /// A factor that is no longer needed, with the pattern and the points of the
 /// unknowns that were analyzed for it: a matrix of the same needs no other
@@ -11,7 +10,7 @@ use crate::solver::{Factor, SymmetricCsc};
 /// them, and then the bits must not depend on which networks were there before.
 pub struct ReusableAnalysis {
     factor: Box<dyn Factor>,
-    solver: BackendChoice,
+    solver: Solver,
     col_ptr: Vec<i64>,
     row_idx: Vec<i64>,
     points: Vec<[f64; 3]>,
@@ -20,7 +19,7 @@ pub struct ReusableAnalysis {
 impl ReusableAnalysis {
     pub(super) fn new(
         factor: Box<dyn Factor>,
-        solver: BackendChoice,
+        solver: Solver,
         matrix: SymmetricCsc,
         points: Vec<[f64; 3]>,
     ) -> ReusableAnalysis {
@@ -30,7 +29,7 @@ impl ReusableAnalysis {
 
     pub(super) fn serves(
         &self,
-        solver: &BackendChoice,
+        solver: &Solver,
         matrix: &SymmetricCsc,
         points: &[[f64; 3]],
     ) -> bool {

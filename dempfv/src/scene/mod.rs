@@ -1,21 +1,36 @@
 //! Scene files: what the user wrote, read and checked into a [`Plan`].
 //!
 //! This is the only room that reads scene files. A [`Plan`] is plain data; it knows
-//! neither particles nor pores.
+//! neither spheres nor pores. Each table of a scene has a file: its struct with the defaults, its
+//! keys, how they are read, checked and written, what must hold, and the names of its effects. A
+//! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
-mod effects;
+mod dem;
+mod fluid;
 mod keys;
+mod kind;
 mod nearest;
+mod output;
 mod packing_check;
-mod parse;
+mod particles;
 mod plan;
-mod rules;
+mod read;
+mod schema;
+mod sizes;
+mod stage;
+mod syntax;
 mod table;
+mod walls;
+mod wrong;
 
-pub use keys::known_keys;
+pub use crate::dem::WallControl;
+pub use dem::{Dem, TimeStep};
+pub use fluid::Fluid;
+pub use output::Output;
 pub use packing_check::{load_packing, validate_packing};
-pub use plan::{
-    Cloud, Compact, Consolidate, Cycle, Dem, Fluid, Output, ParticleSource, Particles,
-    Permeability, Plan, Run, SizeClass, Sizes, Stage, StageKind, TimeStep, Until, WallControl,
-    Walls,
-};
+pub use particles::{ParticleSource, Particles};
+pub use plan::Plan;
+pub use read::known_keys;
+pub use sizes::{Cloud, SizeClass, Sizes};
+pub use stage::{Compact, Consolidate, Cycle, Permeability, Run, Stage, StageKind, Until};
+pub use walls::Walls;

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use super::plan::{ParticleSource, Plan};
 use crate::domain::{Aabb, Vec3, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 use crate::io::packing::Packing;
 
 /// A sphere may reach through a wall by this share of its radius: contacts overlap.
@@ -16,57 +15,6 @@ const REACH_IN_OWN_BOX: f64 = 0.4;
 
 /// Spheres whose centres are nearer than this share of the smallest radius coincide.
 const COINCIDENT: f64 = 1e-9;
-
-impl Plan {
-    /// Reads and checks the packing file of the scene, with the box that holds it: the
-    /// scene's, else the file's own, else the tight one. `None` when the spheres are a
-    /// cloud.
-    ///
-    /// # Errors
-    /// As [`load_packing`].
-    pub fn packing(&self) -> Result<Option<(Packing, Aabb)>, InputError> {
-        match &self.particles.source {
-            ParticleSource::Packing(path) => {
-                let (packing, bounds) = load_packing(path, self.bounds)?;
-                self.check_probes(&bounds)?;
-                Ok(Some((packing, bounds)))
-            }
-            ParticleSource::Cloud(_) => Ok(None),
-        }
-    }
-
-    /// Refuses a probe outside the box that holds the packing.
-    fn check_probes(&self, bounds: &Aabb) -> Result<(), InputError> {
-        let Some(problem) = probe_outside(&self.output.probes, bounds) else { return Ok(()) };
-        let error = InputError::new(
-            format!("`probes` in [output] {problem}"),
-            "give points inside the box of the packing",
-        );
-        Err(match &self.file {
-            Some(file) => error.in_file(file),
-            None => error,
-        })
-    }
-}
-
-/// What is wrong with the first probe that lies outside a box. Probes are numbered from 1,
-/// as their columns in the history are.
-pub(super) fn probe_outside(probes: &[Vec3], bounds: &Aabb) -> Option<String> {
-    let (i, x) = probes.iter().enumerate().find(|(_, x)| !bounds.contains(x))?;
-    Some(format!(
-        "has probe {} at [{}, {}, {}], outside the box from [{}, {}, {}] to [{}, {}, {}]",
-        i + 1,
-        x.x,
-        x.y,
-        x.z,
-        bounds.min.x,
-        bounds.min.y,
-        bounds.min.z,
-        bounds.max.x,
-        bounds.max.y,
-        bounds.max.z
-    ))
-}
 
 /// Reads a packing file and checks it ([`validate_packing`]) against `bounds`, else
 /// against its own box; without either, its box is the tight one. Into the walls of a box

@@ -5,10 +5,11 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::keys::{self, Schema};
 use super::nearest::{nearest, suggestion};
+use super::schema::Schema;
+use super::wrong::Wrong;
 use crate::domain::{Vec3, WallId};
-use crate::error::InputError;
+use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -16,6 +17,8 @@ type Result<T> = std::result::Result<T, InputError>;
 pub(super) struct Source<'a> {
     pub text: &'a str,
     pub file: Option<&'a Path>,
+    /// All tables of a scene, for suggestions across tables.
+    pub schemas: &'static [&'static Schema],
 }
 
 impl Source<'_> {
@@ -50,6 +53,8 @@ pub(super) struct Value<'a> {
     pub source: &'a Source<'a>,
     /// Byte at which the value starts.
     pub at: usize,
+    /// Its key; of an item, that of its array.
+    key: String,
     /// Name in messages, such as `` `viscosity` in [fluid] ``.
     name: String,
     node: &'a DeValue<'a>,
@@ -75,7 +80,7 @@ pub(super) enum Bound {
 }
 
 impl Bound {
-    fn holds(self, x: f64) -> bool {
+    pub fn holds(self, x: f64) -> bool {
         x.is_finite()
             && match self {
                 Bound::Finite => true,
@@ -89,7 +94,7 @@ impl Bound {
     }
 
     /// "a number above 0 in Pa".
-    fn describe(self, unit: &str) -> String {
+    pub fn describe(self, unit: &str) -> String {
         let range = match self {
             Bound::Finite => "a finite number",
             Bound::Positive => "a number above 0",
@@ -120,7 +125,7 @@ impl<'a> Table<'a> {
             Some(key) => Err(source.error(
                 key.span().start,
                 format!("unknown {} `{}` in {}", schema.noun, key.get_ref(), schema.name),
-                remedy_for_key(key.get_ref(), schema),
+                remedy_for_key(key.get_ref(), schema, source.schemas),
             )),
         }
     }
@@ -132,66 +137,33 @@ impl<'a> Table<'a> {
         Some(Value {
             source: self.source,
             at: value.span().start,
+            key: key.to_owned(),
             name: self.name_of(key),
             node: value.get_ref(),
         })
     }
 
-    /// Name of a key in messages: `` `dt` in [dem] ``, and [dem] itself.
-    fn name_of(&self, key: &str) -> String {
-        match key {
-            _ if !self.is_root() => format!("`{key}` in {}", self.schema.name),
-            "title" | "seed" => format!("`{key}`"),
-            "stage" => "[[stage]]".to_owned(),
-            _ => format!("[{key}]"),
-        }
-    }
-
-    fn is_root(&self) -> bool {
-        std::ptr::eq(self.schema, &keys::ROOT)
+    /// Name of a key in messages.
+    pub fn name_of(&self, key: &str) -> String {
+        self.schema.name_of(key)
     }
 
     /// The value of a key that must be there; `what` says what it is.
     pub fn need(&self, key: &str, what: &str) -> Result<Value<'a>> {
         self.get(key).ok_or_else(|| {
-            let (missing, remedy) = match self.is_root() {
+            let (missing, remedy) = match self.schema.is_root() {
                 true => (self.name_of(key), format!("add {what}")),
                 false => (format!("`{key}`"), format!("add `{key} = ...`: {what}")),
             };
             self.source.error(self.at, format!("{} has no {missing}", self.schema.name), remedy)
         })
     }
-
-    /// A number with a default.
-    pub fn number_or(&self, key: &str, unit: &str, bound: Bound, default: f64) -> Result<f64> {
-        self.get(key).map_or(Ok(default), |v| v.number(unit, bound))
-    }
-
-    /// A number that must be there.
-    pub fn need_number(&self, key: &str, unit: &str, bound: Bound) -> Result<f64> {
-        self.need(key, &bound.describe(unit))?.number(unit, bound)
-    }
-
-    /// A whole number of at least `least`, with a default.
-    pub fn count_or(&self, key: &str, least: u64, default: u64) -> Result<u64> {
-        self.get(key).map_or(Ok(default), |v| v.count(least))
-    }
-
-    /// True or false, with a default.
-    pub fn flag_or(&self, key: &str, default: bool) -> Result<bool> {
-        self.get(key).map_or(Ok(default), |v| v.flag())
-    }
-
-    /// An angle in degrees, with a default in radians.
-    pub fn angle_or(&self, key: &str, default: f64) -> Result<f64> {
-        self.get(key).map_or(Ok(default), |v| v.angle())
-    }
 }
 
 /// What would be right instead of an unknown key: a near key of the table, else the table
 /// that has it, else the keys of the table.
-fn remedy_for_key(key: &str, schema: &'static Schema) -> String {
-    let elsewhere = keys::ALL.iter().find(|s| s.noun == "key" && s.keys.contains(&key));
+fn remedy_for_key(key: &str, schema: &Schema, all: &[&Schema]) -> String {
+    let elsewhere = all.iter().find(|s| s.noun == "key" && s.keys.contains(&key));
     match (nearest(key, schema.keys), elsewhere) {
         (None, Some(other)) => format!("it belongs in {}", other.name),
         _ => suggestion(key, schema.keys),
@@ -199,6 +171,11 @@ fn remedy_for_key(key: &str, schema: &'static Schema) -> String {
 }
 
 impl<'a> Value<'a> {
+    /// The value's key.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
     /// An error about this value.
     pub fn error(&self, problem: &str, remedy: impl Into<String>) -> InputError {
         self.source.error(self.at, format!("{} {problem}", self.name), remedy)
@@ -244,8 +221,21 @@ impl<'a> Value<'a> {
             DeValue::Integer(i) => u64::from_str_radix(i.as_str(), i.radix()).ok(),
             _ => None,
         };
-        n.filter(|&n| n >= least && n <= i64::MAX as u64)
-            .ok_or_else(|| self.wrong_type(&format!("a whole number of {least} or more")))
+        n.filter(|&n| n >= least && n <= i64::MAX as u64).ok_or_else(|| match self.whole() {
+            Some(n) if n >= least => self.error(
+                &format!("is {}", self.found()),
+                format!("write the whole number as {n}, without point or exponent"),
+            ),
+            _ => self.wrong_type(&format!("a whole number of {least} or more")),
+        })
+    }
+
+    /// The whole number that a number with a point or an exponent is.
+    fn whole(&self) -> Option<u64> {
+        let DeValue::Float(f) = self.node else { return None };
+        let x: f64 = f.as_str().parse().ok()?;
+        // Above 2⁵³ a float does not say which whole number is meant.
+        (x.fract() == 0.0 && (0.0..=9e15).contains(&x)).then_some(x as u64)
     }
 
     /// As [`Value::count`], for numbers of 32 bits.
@@ -266,6 +256,11 @@ impl<'a> Value<'a> {
     /// True when a text stands here.
     pub fn is_text(&self) -> bool {
         self.node.is_str()
+    }
+
+    /// An error about this value.
+    pub fn wrong(&self, wrong: Wrong) -> InputError {
+        self.error(&wrong.problem, wrong.remedy)
     }
 
     /// True when a table stands here.
@@ -294,6 +289,7 @@ impl<'a> Value<'a> {
         let item = |v: &'a Spanned<DeValue<'a>>| Value {
             source: self.source,
             at: v.span().start,
+            key: self.key.clone(),
             name: self.name.clone(),
             node: v.get_ref(),
         };
@@ -327,6 +323,7 @@ impl<'a> Value<'a> {
         Some(Value {
             source: self.source,
             at: value.span().start,
+            key: key.to_owned(),
             name: format!("`{key}`"),
             node: value.get_ref(),
         })

@@ -6,9 +6,6 @@ use crate::Result;
 use crate::coupling::{Coupled, TimeStepBounds};
 use crate::scene::TimeStep;
 
-/// Steps between two looks at the automatic time step.
-const REFRESH: u64 = 50;
-
 /// Model time and time step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
@@ -20,18 +17,11 @@ pub struct Clock {
     pub dt: f64,
     /// What the automatic time step follows from.
     pub bounds: Option<TimeStepBounds>,
-    /// Steps left until the automatic time step is looked at again.
-    left: u64,
 }
 
 impl Clock {
     pub fn new() -> Clock {
-        Clock { step: 0, time: 0.0, dt: 0.0, bounds: None, left: 0 }
-    }
-
-    /// Makes the next step choose its time step anew.
-    pub fn refresh(&mut self) {
-        self.left = 0;
+        Clock { step: 0, time: 0.0, dt: 0.0, bounds: None }
     }
 
     /// The time step of the next step (s).
@@ -44,18 +34,8 @@ impl Clock {
             self.bounds = None;
             return Ok(dt);
         }
-        let renewed = coupled.update_viscous_mode(false)?;
-        if renewed || self.left == 0 {
-            // Of the current positions, as after a restart; the step itself
-            // finds this done.
-            coupled.dem.compute_contacts()?;
-            let bounds = coupled.time_step_bounds();
-            self.dt = bounds.automatic(safety);
-            self.bounds = Some(bounds);
-            self.left = REFRESH;
-        } else {
-            self.left -= 1;
-        }
+        self.dt = coupled.automatic_time_step(safety)?;
+        self.bounds = coupled.automatic_bounds();
         Ok(self.dt)
     }
 

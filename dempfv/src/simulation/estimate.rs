@@ -1,13 +1,18 @@
 //! What a plan will cost, before anything is built.
 //!
 //! Counts and rates were fitted to settled packings of 1,000 to 135,000 spheres of similar
-//! size on two cores of a server of 2022; they are right within a factor of two or so on
-//! other machines and packings. Where exact counts are known, they are used.
+//! size on two cores of a server of 2022 (November 2026, `benches/report.md` of the
+//! repository); they are right within a factor of two or so on other machines and packings.
+//! The solvers tell of themselves ([`SolverKind::cost`](crate::solver::SolverKind::cost)).
+//! Where exact counts are known, they are used.
 
 use serde::Serialize;
 
-use crate::coupling::{OnFailure, RemeshMode, TimeStepBounds, Update, viscous_time_step};
+use crate::coupling::{
+    OnFailure, RemeshMode, TimeStepBounds, TimeStepRule, Update, viscous_time_step,
+};
 use crate::scene::*;
+use crate::solver::{Cost, Fill, SystemSize};
 
 /// What is known about the spheres and pores of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -64,7 +69,7 @@ impl Specimen {
 /// With k_n = E r between equal spheres and contacts of random direction, the
 /// diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3.
 fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
-    let material = &plan.particles;
+    let material = &plan.particles.material;
     let r = smallest_radius;
     let mass = 4.0 / 3.0 * std::f64::consts::PI * r.powi(3) * material.density;
     let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
@@ -72,7 +77,7 @@ fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     let fluid = plan.fluid.as_ref().filter(|_| coupled);
     TimeStepBounds {
         contact: (2.0 * mass / stiffness).sqrt(),
-        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.viscosity)),
+        viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.fluid.viscosity)),
         viscous: None,
     }
 }
@@ -107,15 +112,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// What `plan` needs for `specimen`.
+    /// What `plan` needs for `specimen`, with the threads that there are.
     pub fn of(plan: &Plan, specimen: &Specimen) -> Estimate {
+        Estimate::with_threads(plan, specimen, rayon::current_num_threads())
+    }
+
+    /// As [`Estimate::of`], with a number of threads.
+    pub fn with_threads(plan: &Plan, specimen: &Specimen, threads: usize) -> Estimate {
         let any = |holds: fn(&StageKind) -> bool| plan.stages.iter().any(|s| holds(&s.kind));
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
         let coupled = any(StageKind::is_coupled);
         let fluid = plan.fluid.as_ref().filter(|_| coupled || measured);
         let flow = fluid.map(|fluid| {
             let drained = if coupled { fluid.pressure_walls().count() } else { 2 };
-            Flow::of(specimen, drained)
+            FlowSize::of(specimen, drained, fluid, threads)
         });
         let dem = plan.dem.as_ref().filter(|_| any(StageKind::moves));
         let estimated = || estimated_bounds(plan, specimen.smallest_radius);
@@ -124,33 +134,45 @@ impl Estimate {
             TimeStep::Fixed(dt) => dt,
             TimeStep::Auto => bounds.automatic(dem.safety),
         });
-        let dry = DRY_STEP * specimen.spheres as f64;
-        let remesh = flow.as_ref().map(Flow::remesh);
-        let coupled_step = flow.as_ref().zip(remesh).filter(|_| coupled).map(|(flow, remesh)| {
-            // With the strain rule alone, remeshes are as rare as the motion is slow; in
-            // the background they take another core's time.
-            let interval = fluid
-                .filter(|f| f.acceleration.remesh != RemeshMode::Background)
-                .and_then(|f| f.remesh_interval);
-            let step = if fluid.is_some_and(follows) { flow.followed() } else { flow.solve() };
-            dry + step + interval.map_or(0.0, |steps| remesh / steps as f64)
+        let dry = dry_step(specimen.spheres, threads);
+        let coupled_step = flow.as_ref().zip(fluid).filter(|_| coupled).map(|(flow, fluid)| {
+            let step = dry + flow.step(fluid);
+            step + remesh_share(fluid, step, flow.remesh())
         });
         Estimate {
             spheres: specimen.spheres,
             pores: flow.as_ref().map_or(0, |f| f.pores as usize),
             unknowns: flow.as_ref().map_or(0, |f| f.unknowns as usize),
-            factor_entries: flow.as_ref().map_or(0, |f| f.factor_entries as usize),
+            factor_entries: flow.as_ref().map_or(0, |f| f.cost.fill.nnz_l as usize),
             counted: specimen.pores.is_some() && specimen.unknowns.is_some(),
-            memory: BASE_MEMORY
-                + SPHERE_MEMORY * specimen.spheres as f64
-                + flow.as_ref().map_or(0.0, Flow::memory) * networks_at_once(fluid)
-                + flow.as_ref().filter(|_| fluid.is_some_and(follows)).map_or(0.0, Flow::scratch),
+            memory: BASE_BYTES
+                + BYTES_PER_SPHERE * specimen.spheres as f64
+                + flow.as_ref().zip(fluid).map_or(0.0, |(flow, fluid)| flow.bytes(fluid)),
             bounds,
             dt,
             dry_step: dem.map(|_| dry),
             coupled_step,
-            remesh,
+            remesh: flow.as_ref().map(FlowSize::remesh),
         }
+    }
+
+    /// Time of a step (ms), a coupled one with its share of remeshing where a
+    /// stage couples; `None` when nothing moves.
+    pub fn ms_per_step(&self) -> Option<f64> {
+        self.coupled_step.or(self.dry_step).map(|s| 1e3 * s)
+    }
+
+    /// What a user should know before such a run begins.
+    pub fn warnings(&self) -> Vec<String> {
+        let limit = self.bounds.map(|bounds| (bounds.limit(), bounds.rule()));
+        let unstable = self.dt.zip(limit).filter(|(dt, (limit, _))| dt > limit);
+        let text = |(dt, (limit, rule)): (f64, (f64, TimeStepRule))| {
+            format!(
+                "the time step of {dt:.3e} s is above the limit of about {limit:.3e} s that is set by \
+                 {rule}: expect it to blow up; take a smaller dt, or dt = \"auto\""
+            )
+        };
+        unstable.map(text).into_iter().collect()
     }
 }
 
@@ -159,34 +181,73 @@ fn follows(fluid: &Fluid) -> bool {
     fluid.acceleration.update == Update::EveryStep
 }
 
-/// Networks that stand beside each other: the one in use while the next is built, except
-/// where it makes room first.
-fn networks_at_once(fluid: Option<&Fluid>) -> f64 {
-    let how = fluid.map(|f| f.acceleration).unwrap_or_default();
-    match how.remesh {
-        RemeshMode::Background => 2.0,
-        RemeshMode::Ahead if how.on_failure == OnFailure::Retry => 2.0,
-        RemeshMode::Ahead | RemeshMode::AtOnce => 1.0,
-    }
+/// The part of a remesh that a step pays (s). With the strain rule alone, remeshes are as
+/// rare as the motion is slow.
+fn remesh_share(fluid: &Fluid, step: f64, remesh: f64) -> f64 {
+    let how = fluid.acceleration;
+    // Eq. 15 of Caulk 2020: half an interval of steps takes as long as a remesh.
+    let interval = match how.auto_interval {
+        true => Some(2.0 * remesh / step),
+        false => fluid.remesh.interval.map(|steps| steps as f64),
+    };
+    let slower = if how.remesh == RemeshMode::Background { BACKGROUND_REMESH } else { 1.0 };
+    interval.map_or(0.0, |steps| slower * remesh / steps.max(1.0))
 }
 
-/// Dry step (s per sphere): a twentieth of a microsecond for the forces of its three
-/// contacts, as much again for memory, motion and the neighbour list.
-const DRY_STEP: f64 = 1e-7;
-/// The program and its libraries (bytes).
-const BASE_MEMORY: f64 = 30e6;
-/// State, contacts, neighbour list (bytes per sphere).
-const SPHERE_MEMORY: f64 = 1200.0;
+/// A dry step with two threads (s per sphere): contacts and integration take 0.042 µs a
+/// sphere with 20,000 spheres, 0.039 with 5,000 and 0.062 with 135,000.
+const DRY_STEP_PER_SPHERE: f64 = 4.5e-8;
+/// Spheres from which on the contacts are shared out among threads.
+const SHARED_SPHERES: usize = 2_560;
+/// Part of shared work that one thread does alone (1).
+const SERIAL_PART: f64 = 0.05;
+/// A coupled step between remeshes, beside dry step and solve, with two threads (s per
+/// pore): E and F 12 ns, the right-hand side and the flux 5.
+const FLOW_STEP_PER_PORE: f64 = 1.7e-8;
+/// Volumes, conductances and operators of the moment, with two threads (s per pore).
+const UPDATE_PER_PORE: f64 = 3e-7;
+/// Applications of the factor in an iterated solve (1), and what each takes beside the
+/// factor (s per pore).
+const ITERATIONS: f64 = 4.0;
+const ITERATION_PER_PORE: f64 = 3e-8;
+/// Triangulation, throats, operators, taking into use (s per pore): nearly all by one
+/// thread.
+const NETWORK_PER_PORE: f64 = 9e-7;
+/// A remesh beside the steps over one in turn (1): it takes their caches and threads.
+const BACKGROUND_REMESH: f64 = 1.5;
 
-/// Pores and unknowns of a packing.
-struct Flow {
+/// The program and its libraries (bytes).
+const BASE_BYTES: f64 = 12e6;
+/// State, contacts, neighbour list.
+const BYTES_PER_SPHERE: f64 = 1200.0;
+/// Network, operators, matrix, and what they are made with.
+const BYTES_PER_PORE: f64 = 800.0;
+/// What following the spheres takes: a network as it was built, throats, force coefficients.
+const BYTES_PER_FOLLOWED_PORE: f64 = 500.0;
+
+/// Time with so many threads over that with two (Amdahl 1967).
+fn threads_factor(threads: usize) -> f64 {
+    let time = |threads: f64| SERIAL_PART + (1.0 - SERIAL_PART) / threads;
+    time(threads.max(1) as f64) / time(2.0)
+}
+
+/// Time of a dry step (s).
+fn dry_step(spheres: usize, threads: usize) -> f64 {
+    let threads = if spheres < SHARED_SPHERES { 1 } else { threads };
+    DRY_STEP_PER_SPHERE * threads_factor(threads) * spheres as f64
+}
+
+/// Pores and unknowns of a packing, and what their solver takes.
+struct FlowSize {
     pores: f64,
     unknowns: f64,
-    factor_entries: f64,
+    cost: Cost,
+    /// Time of work on all pores over that with two threads (1).
+    shared: f64,
 }
 
-impl Flow {
-    fn of(specimen: &Specimen, drained_walls: usize) -> Flow {
+impl FlowSize {
+    fn of(specimen: &Specimen, drained_walls: usize, fluid: &Fluid, threads: usize) -> FlowSize {
         let n = specimen.spheres as f64;
         let surface = n.powf(2.0 / 3.0);
         // 5,685 pores in 1,000 spheres, 29,319 in 5,000, 119,578 in 20,000, 822,396 in
@@ -195,50 +256,149 @@ impl Flow {
         // A drained wall takes the pores that touch it out: 1,379 of 20,000 spheres.
         let drained = 1.85 * surface * drained_walls as f64;
         let unknowns = specimen.unknowns.map_or((pores - drained).max(1.0), |u| u as f64);
-        // 1.48e7 entries at 118,199 unknowns, 6.9e8 at 1,950,557 (METIS).
-        let fitted = 1.48e7 * (unknowns / 118_199.0).powf(1.37);
-        let factor_entries = specimen.factor_entries.map_or(fitted.max(unknowns), |e| e as f64);
-        Flow { pores, unknowns, factor_entries }
+        let mut size = SystemSize::of_network(unknowns as usize, threads);
+        if let Some(entries) = specimen.factor_entries {
+            size.factor = Some(Fill { nnz_l: entries as f64, flops: size.fill().flops });
+        }
+        let cost = fluid.solver.cost(&size);
+        let threads = if pores < SHARED_PORES { 1 } else { threads };
+        FlowSize { pores, unknowns, cost, shared: threads_factor(threads) }
     }
 
-    /// Time of one solve, volumes and forces (s). Both triangular solves stream the factor
-    /// through memory (27 ms for 1.48e7 entries); E and F cost some 20 ns a pore.
-    fn solve(&self) -> f64 {
-        1.82e-9 * self.factor_entries + 2e-8 * self.pores
+    /// What the fluid adds to a step between remeshes (s).
+    fn step(&self, fluid: &Fluid) -> f64 {
+        let operators = FLOW_STEP_PER_PORE * self.shared * self.pores;
+        if !follows(fluid) {
+            return operators + self.cost.solve_to(fluid.tolerance);
+        }
+        let iteration = self.cost.correction + ITERATION_PER_PORE * self.shared * self.pores;
+        operators + UPDATE_PER_PORE * self.shared * self.pores + ITERATIONS * iteration
     }
 
-    /// The same where the network follows the spheres (s): pores and throats anew, 0.4 µs
-    /// a pore, and some four solves.
-    fn followed(&self) -> f64 {
-        4.0 * self.solve() + 4e-7 * self.pores
-    }
-
-    /// Bytes that following takes: what a network was built as, throats, pushes.
-    fn scratch(&self) -> f64 {
-        500.0 * self.pores
-    }
-
-    /// Time of one remesh (s): 0.76 µs a pore to triangulate, 2 µs to build the network,
-    /// 6.3 µs an unknown to order, and the factorization: 0.65 s at 118,199 unknowns,
-    /// nearly as the square.
+    /// Time of one remesh (s).
     fn remesh(&self) -> f64 {
-        2.8e-6 * self.pores + 6.3e-6 * self.unknowns + 0.65 * (self.unknowns / 118_199.0).powf(1.75)
+        NETWORK_PER_PORE * self.pores + self.cost.analysis + self.cost.factorization
     }
 
-    /// Bytes: the factor with a tenth of padding in its supernodes; network, operators and
-    /// matrix; ordering and analysis.
-    fn memory(&self) -> f64 {
-        8.8 * self.factor_entries + 900.0 * self.pores + 400.0 * self.unknowns
+    /// Most memory that networks take (bytes): the one in use makes room for the next, or
+    /// stays beside it.
+    fn bytes(&self, fluid: &Fluid) -> f64 {
+        let how = fluid.acceleration;
+        let beside = match how.remesh {
+            RemeshMode::Background => true,
+            RemeshMode::Ahead => how.on_failure == OnFailure::Retry,
+            RemeshMode::AtOnce => false,
+        };
+        let built = BYTES_PER_PORE * self.pores + self.cost.peak_bytes;
+        let held = BYTES_PER_PORE * self.pores + self.cost.held_bytes;
+        built
+            + if beside { held } else { 0.0 }
+            + if follows(fluid) { BYTES_PER_FOLLOWED_PORE * self.pores } else { 0.0 }
     }
 }
+
+/// Pores from which on their work is shared out among threads.
+const SHARED_PORES: f64 = 16_384.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coupling::TimeStepRule;
+    use std::path::Path;
 
     fn near(value: f64, expected: f64, tolerance: f64) {
         assert!((value / expected - 1.0).abs() < tolerance, "{value} against {expected}");
+    }
+
+    /// A plan of coupled steps in a cloud of so many spheres.
+    fn coupled_plan(spheres: usize, fluid: &str) -> Plan {
+        let text = format!(
+            r#"
+            [box]
+            min = [0, 0, 0]
+            max = [1, 1, 1]
+            [particles]
+            cloud = {{ count = {spheres}, porosity = 0.9 }}
+            [dem]
+            dt = 1e-6
+            [fluid]
+            viscosity = 1e-3
+            tolerance = 1e-6
+            pressure = {{ y_max = 0 }}
+            {fluid}
+            [[stage]]
+            kind = "run"
+            steps = 1
+            "#
+        );
+        Plan::from_toml(&text, None).unwrap()
+    }
+
+    fn flow_size(specimen: &Specimen) -> FlowSize {
+        let plan = coupled_plan(10, "remesh_interval = 200");
+        FlowSize::of(specimen, 1, plan.fluid.as_ref().unwrap(), 2)
+    }
+
+    /// Coupled steps with a remesh every 200, with two threads: milliseconds in turn, in the
+    /// background and without remeshes, as `make compare` measured them on 2026-11-28
+    /// (`benches/report.md`). The estimate is within a factor of two.
+    #[test]
+    fn times_are_those_of_the_contest() {
+        for (spheres, in_turn, background, without) in
+            [(5_000, 1.5, 1.59, 1.11), (20_000, 8.35, 9.23, 6.58), (135_000, 96.8, 115.0, 66.0)]
+        {
+            for (fluid, measured) in [
+                ("remesh_interval = 200", in_turn),
+                ("remesh_interval = 200\nremesh = \"background\"", background),
+                ("remesh_strain = 0.1", without),
+            ] {
+                let specimen = Specimen { spheres, ..Specimen::default() };
+                let plan = coupled_plan(spheres, fluid);
+                let ms = Estimate::with_threads(&plan, &specimen, 2).ms_per_step().unwrap();
+                assert!((0.5..2.0).contains(&(ms / measured)), "{spheres}, {fluid}: {ms} ms");
+            }
+        }
+        near(1e3 * dry_step(20_000, 2), 0.838, 0.5);
+    }
+
+    /// The most that runs of the shipped scenes and of their larger packing held, measured on
+    /// 2026-11-30 with two threads. The estimate is within a quarter.
+    #[test]
+    fn memory_is_what_shipped_scenes_hold() {
+        let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/");
+        for (scene, spheres, pores, unknowns, measured) in MEASURED_BYTES {
+            let plan = Plan::load(Path::new(&format!("{scenes}{scene}"))).unwrap();
+            let specimen = Specimen {
+                spheres,
+                pores: Some(pores),
+                unknowns: Some(unknowns),
+                ..Specimen::default()
+            };
+            let memory = Estimate::with_threads(&plan, &specimen, 2).memory;
+            assert!((0.75..1.25).contains(&(memory / measured)), "{scene}: {memory:e}");
+        }
+    }
+
+    /// Scene, spheres, pores, unknowns, bytes.
+    const MEASURED_BYTES: [(&str, usize, usize, usize, f64); 4] = [
+        ("caulk2020.toml", 5_000, 29_318, 28_792, 71.5e6),
+        ("caulk2020.toml", 20_000, 119_578, 118_204, 235.2e6),
+        ("permeability.toml", 1_000, 5_685, 5_305, 22.4e6),
+        ("dry-triaxial.toml", 2_000, 0, 0, 14.4e6),
+    ];
+
+    /// A step above the limit is told in words, one below is not.
+    #[test]
+    fn an_unstable_step_is_warned_of() {
+        let plan = coupled_plan(10, "remesh_interval = 200");
+        let bounds = |contact| TimeStepBounds { contact, viscous: None, viscous_estimate: None };
+        let estimate = |contact| {
+            let specimen =
+                Specimen { spheres: 10, bounds: Some(bounds(contact)), ..Specimen::default() };
+            Estimate::with_threads(&plan, &specimen, 1).warnings()
+        };
+        assert_eq!(estimate(1.1e-6), Vec::<String>::new());
+        let [warning] = &estimate(0.9e-6)[..] else { panic!("one warning") };
+        assert!(warning.contains("1.000e-6 s") && warning.contains("contacts"), "{warning}");
     }
 
     /// Measured on settled packings; unknowns and factor with one drained wall, METIS.
@@ -251,11 +411,11 @@ mod tests {
             (40_000, 241_321.0, Some(239_227.0), Some(3.92e7)),
             (135_000, 822_396.0, Some(817_690.0), Some(2.11e8)),
         ] {
-            let flow = Flow::of(&Specimen { spheres, ..Specimen::default() }, 1);
+            let flow = flow_size(&Specimen { spheres, ..Specimen::default() });
             near(flow.pores, pores, 0.01);
             if let (Some(unknowns), Some(entries)) = (unknowns, entries) {
                 near(flow.unknowns, unknowns, 0.01);
-                near(flow.factor_entries, entries, 0.1);
+                near(flow.cost.fill.nnz_l, entries, 0.1);
             }
         }
     }
@@ -269,8 +429,8 @@ mod tests {
             factor_entries: Some(123_456),
             ..Specimen::default()
         };
-        let flow = Flow::of(&known, 1);
-        assert_eq!((flow.pores, flow.unknowns, flow.factor_entries), (5685.0, 5500.0, 123_456.0));
+        let flow = flow_size(&known);
+        assert_eq!((flow.pores, flow.unknowns, flow.cost.fill.nnz_l), (5685.0, 5500.0, 123_456.0));
     }
 
     /// Two π ρ d² / (8000 μ) and √(2 m / k) by hand, for ρ = 2600, d = 1.5 mm, μ = 1e-3,

@@ -1,7 +1,7 @@
 //! A scene carried out: stages, model time, outcomes, what it will cost.
 //!
 //! [`Simulation`] carries out a [`Plan`](crate::scene::Plan): it is advanced step by step by its
-//! caller, who may look at it, save its [`State`] or stop between any two.
+//! caller, who may look at it, save its [`SimulationState`] or stop between any two.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -27,11 +27,12 @@ mod setup;
 mod stability;
 mod stages;
 
+pub use crate::stage_error::StageError;
 pub use estimate::{Estimate, Specimen};
 pub use outcome::{
-    Compaction, Consolidation, ConsolidationSample, LoadCycles, Motion, MotionSample, Outcome,
-    PermeabilityTest, Profile, StageOutcome,
+    Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
+    StageOutcome, StressPath, StressPathSample,
 };
-pub use run::{Simulation, State};
+pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
 pub use stability::Stability;

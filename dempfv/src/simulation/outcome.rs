@@ -30,7 +30,7 @@ pub enum Outcome {
     /// Of a `consolidate` stage.
     Consolidate(Consolidation),
     /// Of a `run` stage.
-    Run(Motion),
+    Run(StressPath),
 }
 
 /// A packing that grew to a stress.
@@ -137,9 +137,9 @@ pub struct Profile {
     pub pressure: Vec<f64>,
 }
 
-/// A run stage's end.
+/// A run stage's end, and how stress and strain went there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct StressPath {
     /// Logarithmic strain of the box since the stage's start, along x, y, z
     /// (1, compression positive).
     pub strain: [f64; 3],
@@ -148,12 +148,12 @@ pub struct Motion {
     /// Unbalanced force at the end (1).
     pub unbalanced_force: f64,
     /// The course of the stage, some 200 moments of it.
-    pub samples: Vec<MotionSample>,
+    pub samples: Vec<StressPathSample>,
 }
 
 /// A moment of a run stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MotionSample {
+pub struct StressPathSample {
     /// Model time since the stage's start (s).
     pub time_s: f64,
     /// Logarithmic strain since the stage's start along x, y, z (1).

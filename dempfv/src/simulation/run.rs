@@ -1,20 +1,24 @@
 //! Carries out a plan, one step at a time.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
-use super::outcome::{Consolidation, LoadCycles, Outcome, PermeabilityTest, StageOutcome};
+use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
 use super::stages::{Active, Context, Progress};
-use crate::coupling::{Coupled, FluidState, Observation, TimeStepBounds};
-use crate::dem::{Dem, DemState};
+use crate::coupling::{
+    Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
+    TimeStepBounds,
+};
 use crate::scene::{Plan, Stage};
-use crate::{Axis, Error, InputError, Result};
+use crate::{Error, InputError, Result};
 
 /// A plan being carried out.
 ///
 /// [`advance`](Simulation::advance) does one step; between two steps the
-/// caller may look, save the [`State`], or stop.
+/// caller may look, save the [`SimulationState`], or stop.
 pub struct Simulation {
     plan: Plan,
     coupled: Coupled,
@@ -29,20 +33,17 @@ pub struct Simulation {
 
 /// Everything that a checkpoint must hold to go on with the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct SimulationState {
     clock: Clock,
     stage: u64,
     active: Option<Active>,
     stage_start: (u64, f64),
     outcomes: Vec<StageOutcome>,
     remeshes: u64,
-    largest_residual: f64,
-    largest_imbalance: f64,
-    dem: DemState,
-    fluid: Option<FluidState>,
+    coupled: CoupledState,
 }
 
-impl State {
+impl SimulationState {
     /// Steps done when the state was taken.
     pub fn step(&self) -> u64 {
         self.clock.step
@@ -58,8 +59,10 @@ impl Simulation {
     /// Loads or draws the packing of a plan and puts it at rest in its box.
     ///
     /// # Errors
-    /// When the packing is wrong, or the plan's values make no sense together.
+    /// [`Error::Input`] for what [`Plan::validate`] finds or is wrong with the packing; why its
+    /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
+        plan.validate()?;
         let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
         Ok(Simulation {
             plan,
@@ -79,28 +82,31 @@ impl Simulation {
     /// # Errors
     /// When the plan's stages are not those that the state has come through, or
     /// as a step.
-    pub fn restart(plan: Plan, state: State) -> Result<Simulation> {
+    pub fn restart(plan: Plan, state: SimulationState) -> Result<Simulation> {
+        Simulation::restart_with(plan, state, Arc::new(StandardBuilder))
+    }
+
+    /// As [`Simulation::restart`], with networks built by `builder`.
+    ///
+    /// # Errors
+    /// As [`Simulation::restart`].
+    pub fn restart_with(
+        plan: Plan,
+        state: SimulationState,
+        builder: Arc<dyn NetworkBuilder>,
+    ) -> Result<Simulation> {
+        plan.validate()?;
         let stage = state.stage as usize;
         check_stages(&plan, &state)?;
-        let dem = Dem::from_state(
-            state.dem,
-            setup::material(&plan),
-            setup::wall_material(&plan),
-            setup::options(&plan),
-        )?;
-        let mut coupled = setup::coupled(&plan, dem);
-        coupled.count_from(state.clock.step);
-        coupled.remember_worst(state.largest_residual, state.largest_imbalance);
+        let mut saved = state.coupled;
+        saved.parameters = parameters(&plan, saved.parameters);
+        let (mut coupled, progress) = Coupled::mechanics_of(saved)?;
+        coupled.build_with(builder);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
-            active.restore(&mut coupled, &plan, &stage.kind)?;
+            active.restore(&mut coupled, &plan, stage)?;
         }
-        // So that it can be observed before its first step; the step itself
-        // finds this done. The stage has had its say on friction before.
-        coupled.dem.compute_contacts()?;
-        if let (Some(fluid), Some(saved)) = (&plan.fluid, state.fluid) {
-            coupled.restore_fluid(setup::saturation(fluid), saved)?;
-        }
+        coupled.take_up(progress)?;
         Ok(Simulation {
             plan,
             coupled,
@@ -111,6 +117,11 @@ impl Simulation {
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
         })
+    }
+
+    /// Changes who builds networks, from the next one on.
+    pub fn build_with(&mut self, builder: Arc<dyn NetworkBuilder>) {
+        self.coupled.build_with(builder);
     }
 
     /// Does one step, or the whole of a stage that has no steps. Returns
@@ -130,13 +141,14 @@ impl Simulation {
         let Some(stage) = self.plan.stages.get(self.stage) else { return Ok(false) };
         let mut context = Context {
             plan: &self.plan,
+            stage,
             coupled: &mut self.coupled,
             clock: &mut self.clock,
             outcomes: &self.outcomes,
         };
         let mut active = match self.active.take() {
             Some(active) => active,
-            None => Active::start(&stage.kind, &mut context)?,
+            None => Active::start(&mut context)?,
         };
         match active.advance(&mut context) {
             Ok(Progress::Finished(outcome)) => {
@@ -164,7 +176,7 @@ impl Simulation {
         });
         self.stage += 1;
         self.stage_start = (self.clock.step, self.clock.time);
-        self.clock.refresh();
+        self.coupled.refresh_time_step();
         // Steps of growth are the mechanics' alone.
         self.coupled.count_from(self.clock.step);
     }
@@ -220,6 +232,13 @@ impl Simulation {
         &self.coupled
     }
 
+    /// Changes the mechanics between two steps: what drives the walls, friction,
+    /// damping, velocities. Stages set the walls and the friction anew when they
+    /// begin.
+    pub fn controls(&mut self) -> Controls<'_> {
+        self.coupled.controls()
+    }
+
     /// Networks built so far, before a restart included.
     pub fn remeshes(&self) -> u64 {
         self.previous_remeshes + self.coupled.remeshes()
@@ -247,18 +266,15 @@ impl Simulation {
     }
 
     /// What a checkpoint must hold.
-    pub fn state(&self) -> State {
-        State {
+    pub fn state(&self) -> SimulationState {
+        SimulationState {
             clock: self.clock,
             stage: self.stage as u64,
             active: self.active.clone(),
             stage_start: self.stage_start,
             outcomes: self.outcomes.clone(),
             remeshes: self.remeshes(),
-            largest_residual: self.coupled.largest_residual(),
-            largest_imbalance: self.coupled.largest_imbalance(),
-            dem: self.coupled.dem.state(),
-            fluid: self.coupled.fluid_state(),
+            coupled: self.coupled.state(),
         }
     }
 
@@ -266,7 +282,7 @@ impl Simulation {
     /// same run gives the same hash for any number of threads. Spheres count
     /// in the order of the user's numbers.
     pub fn state_hash(&self) -> String {
-        let particles = self.coupled.dem.particles();
+        let particles = self.coupled.dem().particles();
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&i| particles.id[i]);
         let vectors = order.iter().flat_map(|&i| [particles.position[i], particles.velocity[i]]);
@@ -282,8 +298,22 @@ impl Simulation {
     }
 }
 
+/// What a plan says of spheres and fluid, where `saved` has a fluid at all.
+fn parameters(plan: &Plan, saved: Parameters) -> Parameters {
+    let fluid = plan.fluid.as_ref();
+    Parameters {
+        material: plan.particles.material,
+        wall_material: plan.walls.material,
+        options: setup::options(plan),
+        saturation: fluid.filter(|_| saved.saturation.is_some()).map(|f| f.saturation()),
+        acceleration: fluid.map(|f| f.acceleration).unwrap_or_default(),
+        tolerance: fluid.map(|f| f.tolerance),
+        probes: plan.output.probes.clone(),
+    }
+}
+
 /// Refuses a state that has come through other stages than the plan's.
-fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
+fn check_stages(plan: &Plan, state: &SimulationState) -> Result<(), InputError> {
     let remedy = "restart with the scene that the checkpoint was made with";
     let begun = state.outcomes.len() + usize::from(state.active.is_some());
     if begun > plan.stages.len() {
@@ -304,23 +334,4 @@ fn check_stages(plan: &Plan, state: &State) -> Result<(), InputError> {
         }
     }
     Ok(())
-}
-
-/// The last finished measurement of the oedometric modulus along an axis.
-pub(super) fn last_cycles(outcomes: &[StageOutcome], axis: Axis) -> Option<&LoadCycles> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Cycle(cycles) if Axis::of(cycles.wall) == axis => Some(cycles),
-        _ => None,
-    })
-}
-
-/// The last finished measurement of the permeability along an axis.
-pub(super) fn last_permeability(
-    outcomes: &[StageOutcome],
-    axis: Axis,
-) -> Option<&PermeabilityTest> {
-    outcomes.iter().rev().find_map(|o| match &o.outcome {
-        Outcome::Permeability(test) if test.axis == axis.name() => Some(test),
-        _ => None,
-    })
 }

@@ -1,11 +1,8 @@
 //! From a plan to the things that move.
 
-use crate::coupling::{Coupled, RemeshRule, Saturation};
-use crate::dem::{
-    self, CloudScale, CloudSpec, Dem, DemOptions, Material, SizeDistribution, WallMaterial,
-};
-use crate::pfv;
-use crate::scene::{self, ParticleSource, Plan, Sizes};
+use crate::coupling::Coupled;
+use crate::dem::{self, CloudScale, CloudSpec, Dem, DemOptions, SizeDistribution};
+use crate::scene::{ParticleSource, Plan, Sizes};
 use crate::{Aabb, InputError, Result, Vec3};
 
 /// The spheres that a plan starts from, and their box (m): read from its
@@ -41,32 +38,13 @@ pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
 /// The mechanics of a plan, at rest.
 pub(super) fn mechanics(plan: &Plan) -> Result<Dem> {
     let (position, radius, bounds) = initial_packing(plan)?;
-    let particles = dem::Particles::new(position, radius, plan.particles.density);
-    Ok(Dem::new(particles, bounds, material(plan), wall_material(plan), options(plan))?)
-}
-
-pub(super) fn material(plan: &Plan) -> Material {
-    let p = &plan.particles;
-    Material {
-        young: p.young,
-        stiffness_ratio: p.stiffness_ratio,
-        friction_angle: p.friction_angle,
-        density: p.density,
-    }
-}
-
-pub(super) fn wall_material(plan: &Plan) -> WallMaterial {
-    WallMaterial { young: plan.walls.young, friction_angle: plan.walls.friction_angle }
+    let material = plan.particles.material;
+    let particles = dem::Particles::new(position, radius, material.density);
+    Ok(Dem::new(particles, bounds, material, plan.walls.material, options(plan))?)
 }
 
 pub(super) fn options(plan: &Plan) -> DemOptions {
-    let mut options = DemOptions::default();
-    if let Some(dem) = &plan.dem {
-        options.damping = dem.damping;
-        options.gravity = dem.gravity;
-        options.rotation = dem.rotation;
-    }
-    options
+    plan.dem.map_or_else(DemOptions::default, |dem| dem.options)
 }
 
 /// Dry spheres that know how the plan's fluid is to be computed.
@@ -78,18 +56,4 @@ pub(super) fn coupled(plan: &Plan, dem: Dem) -> Coupled {
     }
     coupled.watch(plan.output.probes.clone());
     coupled
-}
-
-/// The fluid of a plan.
-pub(super) fn saturation(fluid: &scene::Fluid) -> Saturation {
-    Saturation {
-        fluid: pfv::Fluid {
-            viscosity: fluid.viscosity,
-            slip_walls: fluid.slip_walls,
-            clamp: fluid.clamp,
-            boundary: pfv::Boundary { pressure: fluid.pressure.into() },
-        },
-        solver: fluid.solver,
-        remesh: RemeshRule { interval: fluid.remesh_interval, strain: fluid.remesh_strain },
-    }
 }

@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::setup;
-use crate::coupling::{Coupled, TimeStepBounds, TimeStepRule};
-use crate::dem::{Dem, WallControl};
+use crate::coupling::{Controls, Coupled, TimeStepBounds, TimeStepRule};
+use crate::dem::WallControl;
 use crate::pfv::{Flow, ViscousMode};
-use crate::scene::{self, Plan, StageKind};
+use crate::scene::{Plan, StageKind};
 use crate::{Result, WallId};
 
 /// Spheres that a report names at most.
-const NAMED: usize = 4;
+const NAMED_SPHERES: usize = 4;
 
 /// The bounds that the packing of a plan sets to its time step before it has
 /// moved, and the size of its network.
@@ -47,12 +47,15 @@ impl Stability {
         let stage = plan.stages.iter().find(|s| s.kind.is_coupled());
         let (Some(fluid), Some(stage)) = (&plan.fluid, stage) else { return Ok(None) };
         let mut coupled = Coupled::new(setup::mechanics(plan)?);
-        hold_walls(&mut coupled.dem, &stage.kind)?;
-        coupled.dem.compute_contacts()?;
-        coupled.saturate(setup::saturation(fluid));
+        if let Some(mechanics) = plan.mechanics(stage) {
+            coupled.controls().set_damping(mechanics.options.damping)?;
+        }
+        hold_walls(coupled.controls(), &stage.kind)?;
+        coupled.compute_contacts()?;
+        coupled.saturate(fluid.saturation());
         coupled.update_viscous_mode(true)?;
         let bounds = coupled.time_step_bounds();
-        let id = &coupled.dem.particles().id;
+        let id = &coupled.dem().particles().id;
         let mode = coupled.viscous_mode();
         let flow = coupled.flow();
         Ok(Some(Stability {
@@ -60,7 +63,7 @@ impl Stability {
             rule: bounds.rule(),
             viscous_rate: mode.map_or(0.0, ViscousMode::upper_rate),
             carriers: mode.map_or(vec![], |m| {
-                m.carriers(NAMED).into_iter().map(|(i, share)| (id[i], share)).collect()
+                m.carriers(NAMED_SPHERES).into_iter().map(|(i, share)| (id[i], share)).collect()
             }),
             participation: mode.map_or(0.0, ViscousMode::participation),
             solves: mode.map_or(0, |m| m.solves),
@@ -72,18 +75,18 @@ impl Stability {
 }
 
 /// Puts the walls of a stage under its servos.
-fn hold_walls(dem: &mut Dem, stage: &StageKind) -> Result<()> {
+fn hold_walls(mut controls: Controls, stage: &StageKind) -> Result<()> {
     let held = |wall: WallId| match stage {
         StageKind::Consolidate(c) => (c.wall == wall).then_some((c.stress, c.max_velocity)),
-        StageKind::Run(run) => match run.walls[wall.index()] {
-            scene::WallControl::Stress { stress, max_velocity } => Some((stress, max_velocity)),
+        StageKind::Run(run) => match run.walls[wall] {
+            WallControl::Servo { stress, max_velocity } => Some((stress, max_velocity)),
             _ => None,
         },
         _ => None,
     };
     for wall in WallId::ALL {
         if let Some((stress, max_velocity)) = held(wall) {
-            dem.set_control(wall, WallControl::Servo { stress, max_velocity })?;
+            controls.set_control(wall, WallControl::Servo { stress, max_velocity })?;
         }
     }
     Ok(())

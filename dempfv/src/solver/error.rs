@@ -76,6 +76,27 @@ pub enum SolverError {
         /// The entry.
         value: f64,
     },
+    /// An order of elimination names an unknown twice, or one that there is not.
+    #[error(
+        "entry {place} of the order of elimination is {unknown}: each unknown must come once, \
+         counted from 0"
+    )]
+    NoPermutation {
+        /// The entry at fault.
+        place: usize,
+        /// The unknown that it names.
+        unknown: i64,
+    },
+    /// An entry lies outside the matrix.
+    #[error("the entry in row {row}, column {column} lies outside a matrix of {n} unknowns")]
+    EntryOutside {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// Number of rows and columns.
+        n: usize,
+    },
     /// A vector or a matrix does not have the size of the system.
     #[error("{what} has {found} entries for a system of {expected} unknowns")]
     WrongSize {

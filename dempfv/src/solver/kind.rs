@@ -2,10 +2,14 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Auto, Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
+use super::{
+    Auto, Backend, Cholmod, CholmodGpu, Cost, Frontal, GpuOptions, SolverError, Symbolic,
+    SymmetricCsc, SystemSize, cost,
+};
 
 /// A solver by its name.
 ///
@@ -19,7 +23,8 @@ use super::{Auto, Backend, Cholmod, CholmodGpu, Frontal, GpuOptions};
 #[serde(rename_all = "snake_case")]
 pub enum SolverKind {
     /// By the number of unknowns: CHOLMOD below
-    /// [`FRONTAL_FROM`](super::FRONTAL_FROM), else the frontal solver.
+    /// [`FRONTAL_FROM`](super::FRONTAL_FROM), else the frontal solver; CHOLMOD too where that
+    /// refuses the matrix.
     #[default]
     Auto,
     /// Supernodal Cholesky factorization by SuiteSparse's CHOLMOD.
@@ -75,6 +80,122 @@ impl SolverKind {
             SolverKind::Frontal => Box::new(Frontal),
             SolverKind::CholmodGpu(options) => Box::new(CholmodGpu(options)),
         }
+    }
+
+    /// What a system of this size can be expected to take.
+    pub fn cost(self, size: &SystemSize) -> Cost {
+        match self {
+            SolverKind::Auto => cost::auto(size.unknowns),
+            SolverKind::Cholmod | SolverKind::CholmodGpu(_) => cost::CHOLMOD,
+            SolverKind::Frontal => cost::FRONTAL,
+        }
+        .cost(size)
+    }
+}
+
+/// The kind's own backend.
+impl Backend for SolverKind {
+    fn name(&self) -> &'static str {
+        SolverKind::name(*self)
+    }
+
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError> {
+        self.backend().analyze(a, coordinates)
+    }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(SolverKind::cost(*self, size))
+    }
+}
+
+/// A solver to be used: one by its name, or any backend.
+///
+/// Two are equal if they are the same kind, or the same object: two backends of one type may
+/// have other parameters.
+///
+/// ```
+/// use std::sync::Arc;
+/// use dempfv::solver::{Backend, Frontal, Solver, SolverKind};
+/// let named = Solver::from(SolverKind::Frontal);
+/// let custom = Solver::from(Arc::new(Frontal) as Arc<dyn Backend>);
+/// assert_eq!(named.name(), custom.name());
+/// assert_eq!((named.kind(), custom.kind()), (Some(SolverKind::Frontal), None));
+/// assert!(custom == custom.clone() && custom != named);
+/// ```
+#[derive(Clone, Debug)]
+pub enum Solver {
+    /// One of this library's.
+    Kind(SolverKind),
+    /// Any other.
+    Custom(Arc<dyn Backend>),
+}
+
+impl Solver {
+    /// The kind, if it is one of this library's.
+    pub fn kind(&self) -> Option<SolverKind> {
+        match self {
+            Solver::Kind(kind) => Some(*kind),
+            Solver::Custom(_) => None,
+        }
+    }
+
+    fn backend(&self) -> &dyn Backend {
+        match self {
+            Solver::Kind(kind) => kind,
+            Solver::Custom(backend) => &**backend,
+        }
+    }
+}
+
+impl Backend for Solver {
+    fn name(&self) -> &'static str {
+        self.backend().name()
+    }
+
+    fn analyze(
+        &self,
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<Box<dyn Symbolic>, SolverError> {
+        self.backend().analyze(a, coordinates)
+    }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        self.backend().cost(size)
+    }
+}
+
+impl Default for Solver {
+    fn default() -> Solver {
+        Solver::Kind(SolverKind::default())
+    }
+}
+
+impl PartialEq for Solver {
+    fn eq(&self, other: &Solver) -> bool {
+        match (self, other) {
+            (Solver::Kind(a), Solver::Kind(b)) => a == b,
+            (Solver::Custom(a), Solver::Custom(b)) => {
+                std::ptr::addr_eq(Arc::as_ptr(a), Arc::as_ptr(b))
+            }
+            _ => false,
+        }
+    }
+}
+
+impl From<SolverKind> for Solver {
+    fn from(kind: SolverKind) -> Solver {
+        Solver::Kind(kind)
+    }
+}
+
+impl From<Arc<dyn Backend>> for Solver {
+    fn from(backend: Arc<dyn Backend>) -> Solver {
+        Solver::Custom(backend)
     }
 }
 

@@ -38,6 +38,57 @@ pub struct SymmetricCsc {
 }
 
 impl SymmetricCsc {
+    /// A matrix from entries (row, column, value) of either triangle, in any order. Entries of the
+    /// same place are added up, in their order; (i, j) and (j, i) are one place. A diagonal entry
+    /// that is not given is zero.
+    ///
+    /// ```
+    /// use dempfv::solver::SymmetricCsc;
+    /// // Two pores with a throat of conductance 3 between them, one drained by another of 1.
+    /// let throats = [(0, 0, 3.0), (1, 1, 3.0), (0, 1, -3.0), (1, 1, 1.0)];
+    /// let a = SymmetricCsc::from_triplets(2, throats)?;
+    /// assert_eq!((a.col_ptr, a.row_idx), (vec![0, 2, 3], vec![0, 1, 1]));
+    /// assert_eq!(a.values, [3.0, -3.0, 4.0]);
+    /// # Ok::<(), dempfv::solver::SolverError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SolverError::EntryOutside`] and [`SolverError::MatrixNotFinite`] with the first entry
+    /// at fault, or the sum at fault.
+    pub fn from_triplets(
+        n: usize,
+        entries: impl IntoIterator<Item = (usize, usize, f64)>,
+    ) -> Result<SymmetricCsc, SolverError> {
+        let mut sorted: Vec<(usize, usize, f64)> = (0..n).map(|k| (k, k, 0.0)).collect();
+        for (row, column, value) in entries {
+            if row >= n || column >= n {
+                return Err(SolverError::EntryOutside { row, column, n });
+            }
+            if !value.is_finite() {
+                return Err(SolverError::MatrixNotFinite { row, column, value });
+            }
+            sorted.push((row.min(column), row.max(column), value));
+        }
+        // Stable: sums are in the order in which their terms came.
+        sorted.sort_by_key(|&(column, row, _)| (column, row));
+        let mut a = SymmetricCsc { n, col_ptr: vec![0; n + 1], ..SymmetricCsc::default() };
+        let mut last = None;
+        for (column, row, value) in sorted {
+            if last == Some((column, row)) {
+                if let Some(sum) = a.values.last_mut() {
+                    *sum += value;
+                }
+                continue;
+            }
+            last = Some((column, row));
+            a.row_idx.push(row as i64);
+            a.values.push(value);
+            a.col_ptr[column + 1] = a.row_idx.len() as i64;
+        }
+        a.check_finite()?;
+        Ok(a)
+    }
+
     /// Number of entries of the lower triangle.
     pub fn nnz(&self) -> usize {
         self.row_idx.len()
@@ -56,6 +107,12 @@ impl SymmetricCsc {
     /// [`SolverError::InvalidMatrix`] or [`SolverError::MatrixNotFinite`] with
     /// the first column at fault.
     pub fn validate(&self) -> Result<(), SolverError> {
+        self.validate_pattern()?;
+        self.check_finite()
+    }
+
+    /// The same, whatever the values.
+    pub(super) fn validate_pattern(&self) -> Result<(), SolverError> {
         let fail = |column, what| Err(SolverError::InvalidMatrix { column, what });
         if self.col_ptr.len() != self.n + 1 || self.col_ptr[0] != 0 {
             return fail(0, "the column pointers must be n + 1 and start with 0");
@@ -84,7 +141,7 @@ impl SymmetricCsc {
                 return fail(j, "a row lies outside the matrix");
             }
         }
-        self.check_finite()
+        Ok(())
     }
 
     /// Checks that every value is finite.

@@ -42,6 +42,8 @@
 mod auto;
 pub mod blas;
 mod cholmod;
+mod cost;
+mod elimination_tree;
 mod error;
 mod frontal;
 mod gpu_info;
@@ -52,14 +54,16 @@ pub mod ordering;
 mod pcg;
 mod placement;
 mod refine;
-mod tree;
+
+use std::fmt;
 
 pub use auto::{Auto, FRONTAL_FROM};
 pub use cholmod::{Cholmod, CholmodGpu};
+pub use cost::{Cost, CostModel, Fill, SystemSize};
 pub use error::SolverError;
 pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};
-pub use kind::{SolverKind, UnknownSolver};
+pub use kind::{Solver, SolverKind, UnknownSolver};
 pub use matrix::SymmetricCsc;
 pub use operator::{LinearOperator, Preconditioner};
 pub use pcg::{ConjugateGradients, ErrorGoal, Iterations};
@@ -87,6 +91,13 @@ pub trait Backend: Send + Sync {
         a: &SymmetricCsc,
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<Box<dyn Symbolic>, SolverError>;
+
+    /// What a system of this size can be expected to take; `None` where the solver has no cost
+    /// model.
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        let _ = size;
+        None
+    }
 }
 
 /// What the pattern alone tells of a factorization.
@@ -115,6 +126,9 @@ pub trait Symbolic: Send {
 
 /// A factored matrix, ready to solve. It may move to another thread.
 pub trait Factor: Send {
+    /// Name of the solver that made it: that which [`Auto`] has chosen.
+    fn solver(&self) -> &'static str;
+
     /// What the analysis of the pattern found.
     fn analysis(&self) -> Analysis;
 
@@ -124,6 +138,24 @@ pub trait Factor: Send {
     /// `b` or `x` has not one entry per unknown, an entry of `b` is not
     /// finite, or (in the first call) memory ran out.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError>;
+
+    /// Solves A X = B for many right-hand sides, which follow each other in `b` as their
+    /// solutions do in `x`: column k is `b[k n..(k + 1) n]`. Each solution has the bits that
+    /// [`Factor::solve`] gives for its right-hand side alone.
+    ///
+    /// # Errors
+    /// As [`Factor::solve`]; `b` or `x` has not `columns` times as many entries as there are
+    /// unknowns.
+    fn solve_many(&mut self, b: &[f64], x: &mut [f64], columns: usize) -> Result<(), SolverError> {
+        // No columns: then neither may have any entry.
+        let n = if columns == 0 { 0 } else { b.len() / columns };
+        require_size("the block of right-hand sides", n * columns, b.len())?;
+        require_size("the block of solutions", b.len(), x.len())?;
+        if n == 0 {
+            return Ok(());
+        }
+        b.chunks_exact(n).zip(x.chunks_exact_mut(n)).try_for_each(|(b, x)| self.solve(b, x))
+    }
 
     /// x ≈ A⁻¹ r for a residual r: all digits that the factor has without any
     /// refinement, which the caller does himself. The same as [`Factor::solve`]
@@ -184,6 +216,29 @@ pub trait Factor: Send {
         } else {
             Err(SolverError::ResidualTooLarge { residual, limit: RESIDUAL_LIMIT })
         }
+    }
+}
+
+impl fmt::Debug for dyn Backend + '_ {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Backend({})", self.name())
+    }
+}
+
+impl fmt::Debug for dyn Symbolic + '_ {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Symbolic").field(&self.analysis()).finish()
+    }
+}
+
+impl fmt::Debug for dyn Factor + '_ {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Factor")
+            .field("solver", &self.solver())
+            .field("analysis", &self.analysis())
+            .field("placement", self.placement())
+            .field("memory_bytes", &self.memory_bytes())
+            .finish()
     }
 }
 

@@ -37,6 +37,7 @@ pub const COMPACT: &str = r#"
     kind = "compact"
     stress = 1.0e4
     friction_angle = 3.0
+    dt = "auto"
 "#;
 
 /// What a consolidation needs to know.
@@ -47,6 +48,7 @@ pub const MEASURE: &str = r#"
     from = 1.0e4
     to = 1.1e4
     cycles = 1
+    dt = "auto"
     [[stage]]
     kind = "permeability"
     axis = "y"

@@ -63,7 +63,7 @@ pub fn moving(n: usize, rule: RemeshRule, acceleration: Acceleration) -> Coupled
 
 /// The bits of positions, velocities and pressures, folded.
 pub fn bits(coupled: &Coupled) -> u64 {
-    let p = coupled.dem.particles();
+    let p = coupled.dem().particles();
     let vectors = p.position.iter().chain(&p.velocity);
     let pressure = coupled.flow().map_or(&[][..], |f| f.pressure());
     let fold =

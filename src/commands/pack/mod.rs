@@ -11,11 +11,11 @@ use dempfv::io::packing;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::{Compaction, Outcome, Simulation};
 use dempfv::{Error, InputError};
+use dempfv_report::format::{count, si, three_digits};
+use dempfv_report::output::{OutputArgs, make_folder};
 use serde::Serialize;
 
 use super::Context;
-use super::format::{count, si, three_digits};
-use super::output::{OutputArgs, make_folder};
 
 /// File in the output folder that holds the packing.
 const FILE: &str = "packing.txt";
@@ -94,7 +94,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
             return Ok(None);
         }
         let coupled = simulation.coupled();
-        progress.update(simulation.step(), None, || si(coupled.dem.mean_wall_stress(), "Pa"));
+        progress.update(simulation.step(), None, || si(coupled.dem().mean_wall_stress(), "Pa"));
     }
     progress.end(simulation.step(), "");
     let Some(Outcome::Compact(compaction)) =
@@ -105,7 +105,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     make_folder(&folder)?;
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
-    let particles = simulation.coupled().dem.particles().len();
+    let particles = simulation.coupled().dem().particles().len();
     Ok(Some(Report { file, particles, steps: simulation.step(), compaction: Some(compaction) }))
 }
 
@@ -175,7 +175,7 @@ fn write(
         env!("CARGO_PKG_VERSION"),
         simulation.plan().seed
     );
-    write_spheres(file, &simulation.coupled().dem, &comment)
+    write_spheres(file, simulation.coupled().dem(), &comment)
 }
 
 /// The spheres of a packing in the user's order, with their box.
@@ -185,7 +185,7 @@ fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(),
     order.sort_unstable_by_key(|&i| particles.id[i]);
     let position: Vec<_> = order.iter().map(|&i| particles.position[i]).collect();
     let radius: Vec<_> = order.iter().map(|&i| particles.radius[i]).collect();
-    packing::write(file, &position, &radius, Some(&dem.box_()), comment)
+    Ok(packing::write(file, &position, &radius, Some(&dem.box_()), comment)?)
 }
 
 impl fmt::Display for Report {

@@ -10,10 +10,10 @@ use dempfv::io::packing::{self, Packing};
 use dempfv::scene::load_packing;
 use dempfv::simulation::Compaction;
 use dempfv::{Aabb, Error};
+use dempfv_report::format::si;
 
 use super::{Args, FILE, Report, check_options, make_folder, write_spheres};
 use crate::commands::Context;
-use crate::commands::format::si;
 
 /// Copies a packing, lets the copies settle together where a stress is given, and writes
 /// them. `None`: Ctrl-C ended it, nothing was written.

@@ -4,25 +4,25 @@ mod history;
 mod pictures;
 mod recorder;
 mod remesh;
+mod results;
 mod summary;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use dempfv::dem::DemError;
 use dempfv::io::checkpoint;
-use dempfv::pfv::PfvError;
 use dempfv::scene::{Plan, StageKind};
-use dempfv::simulation::{Simulation, State};
+use dempfv::simulation::{Simulation, SimulationState};
 use dempfv::{Error, Result};
+use dempfv_report::format::si;
+use dempfv_report::json;
+use dempfv_report::output::{OutputArgs, make_folder};
+use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
 pub use self::summary::Report;
 use super::Context;
-use super::format::si;
-use super::output::{OutputArgs, make_folder, remove_results};
-use crate::report::progress::Progress;
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -56,7 +56,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let folder = folder(args)?;
     let interrupted = context.interruption()?;
     let restarted_at =
-        args.restart.as_ref().map(|path| checkpoint::load::<State>(path)).transpose()?;
+        args.restart.as_ref().map(|path| checkpoint::load::<SimulationState>(path)).transpose()?;
     let from = restarted_at.as_ref().map(|s| (s.step(), s.time()));
     let mut simulation = match restarted_at {
         Some(state) => Simulation::restart(plan, state)?,
@@ -64,7 +64,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     };
     make_folder(&folder)?;
     if args.restart.is_none() {
-        remove_results(&folder)?;
+        results::remove(&folder)?;
     }
     let recorder = Recorder::new(&folder, &simulation, from)?;
     let mut session = Session {
@@ -128,7 +128,7 @@ impl Session {
         while simulation.stage().is_some() && !stop(simulation) {
             let done = simulation.outcomes().len();
             if let Err(error) = simulation.advance() {
-                let state = match is_spoilt(&error) {
+                let state = match error.spoils_state() {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
@@ -227,7 +227,7 @@ impl Session {
             status,
             &self.folder,
         );
-        super::context::write_json(&self.folder.join(SUMMARY), &report)?;
+        json::write(&self.folder.join(SUMMARY), &report)?;
         match ended {
             Ok(()) => Ok(report),
             Err(Error::Input(error)) => Err(Error::Input(error)),
@@ -236,23 +236,11 @@ impl Session {
     }
 }
 
-/// Whether the state after a failure is of no use to go on from: spheres where
-/// they cannot be, or numbers that are none. A stage that has used up its steps
-/// and a solver that has used up the memory leave a sound one.
-fn is_spoilt(error: &Error) -> bool {
-    match error {
-        Error::AtStep { source, .. } | Error::Snapshot { source, .. } => is_spoilt(source),
-        Error::Dem(error) => !matches!(error, DemError::NotSettled { .. }),
-        Error::Pfv(error) => !matches!(error, PfvError::Solver(_)),
-        _ => false,
-    }
-}
-
 /// What the progress line shows beside the rate.
 fn value_of_interest(simulation: &Simulation) -> String {
     let coupled = simulation.coupled();
     match simulation.stage().map(|s| &s.kind) {
-        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem.mean_wall_stress(), "Pa")),
+        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem().mean_wall_stress(), "Pa")),
         Some(StageKind::Cycle(c)) => {
             format!(
                 "σ {}  unbalanced {:.1e}",

@@ -6,12 +6,11 @@ use dempfv::Result;
 use dempfv::io::atomic;
 use dempfv::scene::{StageKind, Until};
 use dempfv::simulation::{
-    Consolidation, ConsolidationSample, Motion, Outcome, Simulation, StageOutcome,
+    Consolidation, ConsolidationSample, Outcome, Simulation, StageOutcome, StressPath,
 };
 use dempfv::theory::degree_of_consolidation;
-
-use crate::commands::format::{si, three_digits};
-use crate::report::plot::{self, Section};
+use dempfv_report::format::{si, three_digits};
+use dempfv_report::plot::{self, Section};
 
 /// Draws what a finished stage has to show.
 pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) -> Result<()> {
@@ -74,12 +73,17 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
         text.push_str(&row.map(|v| v.to_string()).join(","));
         text.push('\n');
     }
-    atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())
+    Ok(atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())?)
 }
 
 /// Stress by strain where the strain ends the stage, else stress and pore
 /// pressure by time.
-fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Motion) -> Result<()> {
+fn motion(
+    folder: &Path,
+    simulation: &Simulation,
+    stage: &StageOutcome,
+    m: &StressPath,
+) -> Result<()> {
     let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
     let wet = simulation.coupled().flow().is_some();
     let axis = match until {
@@ -137,9 +141,9 @@ fn motion(folder: &Path, simulation: &Simulation, stage: &StageOutcome, m: &Moti
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
     let Some(flow) = coupled.flow() else { return Ok(()) };
-    let particles = coupled.dem.particles();
-    let bounds = coupled.dem.box_();
-    let (points, cells) = flow.network().polyhedra(&particles.position, &bounds);
+    let particles = coupled.dem().particles();
+    let bounds = coupled.dem().box_();
+    let (points, cells) = dempfv::io::vtk::pore_cells(flow.network(), &particles.position, &bounds);
     plot::section(&Section {
         title: "Pore pressure in a section",
         caption: &format!("{}\n{moment}", simulation.plan().title),
@@ -182,7 +186,7 @@ fn in_file_name(simulation: &Simulation, stage: &StageOutcome) -> String {
 fn caption(simulation: &Simulation, c: &Consolidation) -> String {
     format!(
         "{} spheres, H = {}, Δσ = {}.\nMeasured beforehand: *E*_{{oed}} = {}, *k* = {:.3e} m²; so *c*_{{v}} = {} m²/s.",
-        simulation.coupled().dem.particles().len(),
+        simulation.coupled().dem().particles().len(),
         si(c.height_m, "m"),
         si(c.load_pa, "Pa"),
         si(c.modulus_pa, "Pa"),

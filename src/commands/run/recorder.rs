@@ -80,7 +80,7 @@ impl Recorder {
     fn write_row(&mut self, simulation: &Simulation) -> Result<()> {
         let mut values = Vec::new();
         history::row(simulation, &mut values);
-        self.history.row(&values)
+        Ok(self.history.row(&values)?)
     }
 
     /// Hands everything to the system; a finished run ends with its last state.
@@ -89,7 +89,7 @@ impl Recorder {
         if finished && self.history_every > 0 && !written {
             self.write_row(simulation)?;
         }
-        self.history.flush()
+        Ok(self.history.flush()?)
     }
 }
 
@@ -108,11 +108,11 @@ impl Frames {
     fn write(&mut self, folder: &Path, simulation: &Simulation) -> Result<()> {
         let (step, time) = (simulation.step(), simulation.time());
         let coupled = simulation.coupled();
-        let particles = coupled.dem.particles();
+        let particles = coupled.dem().particles();
         let fluid = coupled.flow().map(|f| f.force());
         let force: Vec<Vec3> = match fluid {
-            Some(fluid) => coupled.dem.forces().iter().zip(fluid).map(|(a, b)| a + b).collect(),
-            None => coupled.dem.forces().to_vec(),
+            Some(fluid) => coupled.dem().forces().iter().zip(fluid).map(|(a, b)| a + b).collect(),
+            None => coupled.dem().forces().to_vec(),
         };
         let name = format!("spheres-{step:09}.vtu");
         let frame = SphereFrame {
@@ -125,8 +125,8 @@ impl Frames {
         vtk::write_spheres(&folder.join(&name), &frame)?;
         self.spheres.push(time, &name)?;
         let Some(flow) = coupled.flow() else { return Ok(()) };
-        let bounds = coupled.dem.box_();
-        let (points, cells) = flow.network().polyhedra(&particles.position, &bounds);
+        let bounds = coupled.dem().box_();
+        let (points, cells) = vtk::pore_cells(flow.network(), &particles.position, &bounds);
         let volume = flow.network().volumes_at(&particles.position, &bounds);
         let name = format!("pores-{step:09}.vtu");
         vtk::write_cells(
@@ -135,6 +135,6 @@ impl Frames {
             &cells,
             &[("pressure", flow.pressure()), ("volume", &volume)],
         )?;
-        self.pores.push(time, &name)
+        Ok(self.pores.push(time, &name)?)
     }
 }

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use dempfv::coupling::{Coupled, UpdateCounts};
 use dempfv::coupling::{RemeshMode, Update};
+use dempfv_report::format::count;
 use serde::Serialize;
-
-use crate::commands::format::count;
 
 /// What happened at the remeshes of a session.
 #[derive(Serialize)]
@@ -58,7 +57,7 @@ impl EveryStep {
             most_applications: counts.most_applications,
             last_error: counts.last_error,
             largest_error: counts.largest_error,
-            worn_out: counts.worn_out,
+            worn_out: counts.exhausted,
         }
     }
 }

@@ -8,12 +8,12 @@ use std::time::Duration;
 use dempfv::coupling::{Coupled, GpuUse};
 use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
+use dempfv_report::format::{bytes, count, duration, si, three_digits};
+use dempfv_report::table;
+use dempfv_report::{machine, versions};
 use serde::{Serialize, Serializer};
 
 use super::remesh::Remesh;
-use crate::commands::format::{bytes, count, duration, si, three_digits};
-use crate::commands::{doctor, machine};
-use crate::report::table::table;
 
 /// How a run ended.
 pub struct Status {
@@ -88,7 +88,7 @@ impl Report {
             finished: status.finished,
             interrupted: status.interrupted,
             error: status.error,
-            particles: coupled.dem.particles().len(),
+            particles: coupled.dem().particles().len(),
             pores,
             unknowns,
             hidden: hidden(coupled),
@@ -112,7 +112,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
-            versions: doctor::versions(),
+            versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: simulation.outcomes().to_vec(),
             folder: folder.to_owned(),
@@ -151,7 +151,7 @@ fn gpu_line(gpu: &GpuUse) -> String {
 
 fn hidden(coupled: &Coupled) -> Vec<u32> {
     let Some(flow) = coupled.flow() else { return vec![] };
-    let id = &coupled.dem.particles().id;
+    let id = &coupled.dem().particles().id;
     let mut numbers: Vec<u32> =
         flow.network().tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
     numbers.sort_unstable();

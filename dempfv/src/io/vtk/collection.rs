@@ -4,8 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::grid::{escape, unescape};
+use crate::input::InputError;
+use crate::io::IoError;
 use crate::io::atomic;
-use crate::{Error, InputError, Result};
+use crate::io::error::Result;
 
 /// A collection of frames, rewritten whole at each new one, so that ParaView
 /// can open (and reload) it while the run goes on.
@@ -36,11 +38,11 @@ impl Collection {
     ///
     /// # Errors
     /// [`InputError`] when the file is no collection of this program,
-    /// [`Error::Io`] when it cannot be read.
+    /// [`IoError::File`] when it cannot be read.
     pub fn resume(path: &Path, last_time: f64) -> Result<Collection> {
         let text = match std::fs::read_to_string(path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Collection::new(path)),
-            other => other.map_err(|e| Error::io(path, e))?,
+            other => other.map_err(|e| IoError::file(path, e))?,
         };
         let mut collection = Collection::new(path);
         let lines = text.lines().enumerate().filter(|(_, l)| l.starts_with("<DataSet "));
@@ -63,7 +65,7 @@ impl Collection {
     /// folder and must exist already: a reader may come at any moment.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be written; the old one then stands.
+    /// [`IoError::File`] when the file cannot be written; the old one then stands.
     pub fn push(&mut self, time: f64, file: &str) -> Result<()> {
         self.frames.push((time, file.to_owned()));
         atomic::write(&self.path, self.text().as_bytes())

@@ -4,8 +4,10 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::Cells;
+use crate::Vec3;
+use crate::io::IoError;
 use crate::io::atomic;
-use crate::{Error, Result, Vec3};
+use crate::io::error::Result;
 
 /// An array of the file.
 pub(super) enum Array<'a> {
@@ -74,8 +76,9 @@ impl Array<'_> {
 
 impl Grid<'_> {
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.check()
-            .map_err(|what| Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, what)))?;
+        self.check().map_err(|what| {
+            IoError::file(path, io::Error::new(io::ErrorKind::InvalidInput, what))
+        })?;
         atomic::write_with(path, |out| self.write_to(out))
     }
 

@@ -6,13 +6,16 @@
 
 mod collection;
 mod grid;
+mod pore_cells;
 
 use std::path::Path;
 
 pub use collection::Collection;
 use grid::{Array, Column, Grid};
+pub use pore_cells::pore_cells;
 
-use crate::{Result, Vec3};
+use crate::Vec3;
+use crate::io::error::Result;
 
 /// VTK's numbers of the cell types used here.
 const VERTEX: u8 = 1;
@@ -40,7 +43,7 @@ pub struct SphereFrame<'a> {
 /// ParaView: filter "Glyph", type sphere, scaled by `radius`, factor 2.
 ///
 /// # Errors
-/// [`crate::Error::Io`] when the file cannot be written or the slices differ
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written or the slices differ
 /// in length; nothing partial remains.
 pub fn write_spheres(path: &Path, frame: &SphereFrame) -> Result<()> {
     let cells = Cells::vertices(frame.position.len());
@@ -73,7 +76,7 @@ pub fn write_spheres(path: &Path, frame: &SphereFrame) -> Result<()> {
 /// ```
 ///
 /// # Errors
-/// [`crate::Error::Io`] when the file cannot be written, a column has not one
+/// [`IoError::File`](crate::io::IoError::File) when the file cannot be written, a column has not one
 /// number per cell, or a cell names a point that is not there; nothing partial
 /// remains.
 pub fn write_cells(

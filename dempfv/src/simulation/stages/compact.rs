@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress};
+use super::context::{Context, Progress};
 use crate::Result;
-use crate::coupling::Coupled;
-use crate::coupling::Phase;
+use crate::coupling::{Coupled, Phase};
 use crate::dem::{GrowthCompaction, GrowthOptions};
-use crate::scene;
+use crate::scene::{self, TimeStep};
 use crate::simulation::outcome::{Compaction, Outcome};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,22 +17,25 @@ pub struct State {
 
 impl State {
     pub fn start(plan: &scene::Compact, context: &mut Context) -> Result<State> {
-        let mut options = GrowthOptions::new(plan.stress, context.plan.particles.young);
+        let mut options = GrowthOptions::new(plan.stress, context.plan.particles.material.young);
         options.unbalanced_tolerance = plan.unbalanced;
         options.stress_tolerance = plan.tolerance;
         options.max_steps = plan.max_steps;
-        if let Some(dem) = &context.plan.dem {
-            options.time_step_safety = dem.safety;
-        }
-        let state =
+        let mechanics = context.mechanics();
+        options.time_step_safety = mechanics.safety;
+        let mut state =
             State { growth: GrowthCompaction::new(options)?, friction_angle: plan.friction_angle };
-        state.restore(context.coupled)?;
+        state.restore(context.coupled, &mechanics)?;
         Ok(state)
     }
 
-    pub fn restore(&self, coupled: &mut Coupled) -> Result<()> {
+    pub fn restore(&mut self, coupled: &mut Coupled, mechanics: &scene::Dem) -> Result<()> {
+        self.growth.set_time_step(match mechanics.dt {
+            TimeStep::Auto => None,
+            TimeStep::Fixed(dt) => Some(dt),
+        });
         if let Some(angle) = self.friction_angle {
-            coupled.dem.set_friction(angle)?;
+            coupled.controls().set_friction(angle)?;
         }
         Ok(())
     }
@@ -46,23 +48,22 @@ impl State {
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         let growth = &mut self.growth;
         let coupled = &mut *context.coupled;
-        let status = coupled.time_dry(Phase::Contacts, |dem| growth.step(dem))?;
+        let status = coupled.change_mechanics(Phase::Contacts, |dem| growth.step(dem))?;
         if !status.done {
             context.clock.dt = growth.time_step();
             context.clock.bounds = None;
             context.clock.advance();
             return Ok(Progress::Running);
         }
-        coupled.dem.set_friction(context.plan.particles.friction_angle)?;
+        coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         // The spheres have found their places: neighbours in space become
         // neighbours in memory.
-        coupled.dem.sort_spatially()?;
-        coupled.dem.compute_contacts()?;
+        coupled.sort_spatially()?;
         Ok(Progress::Finished(Outcome::Compact(Compaction {
             stress_pa: status.stress,
             unbalanced_force: status.unbalanced,
-            porosity: coupled.dem.porosity(),
-            coordination_number: coupled.dem.coordination_number(),
+            porosity: coupled.dem().porosity(),
+            coordination_number: coupled.dem().coordination_number(),
         })))
     }
 }

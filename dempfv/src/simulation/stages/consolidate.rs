@@ -2,15 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress};
+use super::context::{Context, Progress};
 use crate::coupling::Coupled;
-use crate::coupling::CouplingError;
 use crate::dem::WallControl;
 use crate::pfv::Flow;
 use crate::scene;
+use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
-use crate::simulation::outcome::{Consolidation, ConsolidationSample, Outcome, Profile};
-use crate::simulation::run::{last_cycles, last_permeability};
+use crate::simulation::outcome::{
+    Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
+    StageOutcome,
+};
 use crate::{Axis, InputError, Result, WallId};
 
 /// Slabs of a pressure profile: about one sphere each in a packing of 1000.
@@ -51,12 +53,12 @@ impl State {
         context.saturate()?;
         let (viscosity, drained, outside) = drainage(context, plan.wall)?;
 
-        let dem = &mut context.coupled.dem;
-        let before = dem.wall_stress(plan.wall);
-        dem.set_control(
+        let before = context.coupled.dem().wall_stress(plan.wall);
+        context.coupled.controls().set_control(
             plan.wall,
             WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity },
         )?;
+        let dem = context.coupled.dem();
         let load = plan.stress - before;
         let height = dem.box_().size()[axis.index()];
         Ok(State {
@@ -123,7 +125,7 @@ impl State {
             return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {
-            return Err(CouplingError::TimeFactorNotReached {
+            return Err(StageError::TimeFactorNotReached {
                 steps: self.steps,
                 time_factor: now,
                 goal: self.until,
@@ -135,7 +137,7 @@ impl State {
 
     fn sample(&self, time_factor: f64, coupled: &Coupled, flow: &Flow) -> ConsolidationSample {
         let wall = self.result.wall;
-        let position = coupled.dem.walls()[wall.index()].position;
+        let position = coupled.dem().walls()[wall.index()].position;
         let settlement = wall.inward() * (position - self.start_position);
         ConsolidationSample {
             time_factor,
@@ -166,6 +168,22 @@ impl State {
     }
 }
 
+/// The last finished measurement of the oedometric modulus along an axis.
+fn last_cycles(outcomes: &[StageOutcome], axis: Axis) -> Option<&LoadCycles> {
+    outcomes.iter().rev().find_map(|o| match &o.outcome {
+        Outcome::Cycle(cycles) if Axis::of(cycles.wall) == axis => Some(cycles),
+        _ => None,
+    })
+}
+
+/// The last finished measurement of the permeability along an axis.
+fn last_permeability(outcomes: &[StageOutcome], axis: Axis) -> Option<&PermeabilityTest> {
+    outcomes.iter().rev().find_map(|o| match &o.outcome {
+        Outcome::Permeability(test) if test.axis == axis.name() => Some(test),
+        _ => None,
+    })
+}
+
 /// The fluid's viscosity and the one drained wall, which must be an end of the
 /// loaded axis for the theory of one-way drainage to hold.
 fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
@@ -173,7 +191,7 @@ fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
     let walls: Vec<(WallId, f64)> = fluid.into_iter().flat_map(|f| f.pressure_walls()).collect();
     match (fluid, &walls[..]) {
         (Some(fluid), &[(wall, outside)]) if wall.axis() == loaded.axis() => {
-            Ok((fluid.viscosity, wall, outside))
+            Ok((fluid.fluid.viscosity, wall, outside))
         }
         _ => Err(InputError::new(
             "a consolidate stage needs one-way drainage",

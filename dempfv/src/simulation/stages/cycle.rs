@@ -3,9 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress, strain};
-use crate::coupling::CouplingError;
+use super::context::{Context, Progress};
+use super::strain::logarithmic_strain;
 use crate::dem::WallControl;
+use crate::simulation::StageError;
 use crate::simulation::outcome::{LoadCycles, Outcome};
 use crate::{Aabb, Result, WallId, scene};
 
@@ -41,7 +42,7 @@ impl State {
             max_velocity: plan.max_velocity,
             max_steps: plan.max_steps,
             steps: 0,
-            reference: context.coupled.dem.box_(),
+            reference: context.coupled.dem().box_(),
             strain: vec![],
             stress: vec![],
         };
@@ -55,7 +56,7 @@ impl State {
 
     fn load(&self, context: &mut Context) -> Result<()> {
         let control = WallControl::Servo { stress: self.goal(), max_velocity: self.max_velocity };
-        Ok(context.coupled.dem.set_control(self.wall, control)?)
+        Ok(context.coupled.controls().set_control(self.wall, control)?)
     }
 
     /// Changes how many steps the stage may take in all.
@@ -64,7 +65,7 @@ impl State {
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
-        context.quasi_static_step()?;
+        context.step()?;
         self.steps += 1;
         if !self.steps.is_multiple_of(LOOK) {
             return Ok(Progress::Running);
@@ -76,11 +77,13 @@ impl State {
         {
             if self.steps >= self.max_steps {
                 let (steps, goal) = (self.steps, self.goal());
-                return Err(CouplingError::NotSettled { steps, stress, goal, unbalanced }.into());
+                return Err(StageError::NotSettled { steps, stress, goal, unbalanced }.into());
             }
             return Ok(Progress::Running);
         }
-        self.strain.push(strain(&self.reference, &context.coupled.dem.box_())[self.wall.axis()]);
+        self.strain.push(
+            logarithmic_strain(&self.reference, &context.coupled.dem().box_())[self.wall.axis()],
+        );
         self.stress.push(stress);
         if (self.strain.len() as u64) < self.holds {
             self.load(context)?;

@@ -3,33 +3,23 @@
 
 mod compact;
 mod consolidate;
+mod context;
 mod cycle;
 mod permeability;
 mod run;
+mod strain;
 
 use serde::{Deserialize, Serialize};
 
+pub(super) use context::{Context, Progress};
+
 use super::clock::Clock;
-use super::outcome::{Consolidation, Outcome, StageOutcome};
+use super::outcome::Consolidation;
 use super::setup;
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
-use crate::scene::{Plan, StageKind, TimeStep};
-use crate::{Aabb, InputError, Result, WallId};
-
-/// What a stage works on.
-pub(super) struct Context<'a> {
-    pub plan: &'a Plan,
-    pub coupled: &'a mut Coupled,
-    pub clock: &'a mut Clock,
-    pub outcomes: &'a [StageOutcome],
-}
-
-/// Whether a stage goes on.
-pub(super) enum Progress {
-    Running,
-    Finished(Outcome),
-}
+use crate::scene::{Plan, Stage, StageKind};
+use crate::{Result, WallId};
 
 /// The stage that is being carried out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,16 +32,20 @@ pub(super) enum Active {
 }
 
 impl Active {
-    pub fn start(kind: &StageKind, context: &mut Context) -> Result<Active> {
+    /// Begins the context's stage.
+    pub fn start(context: &mut Context) -> Result<Active> {
         // The last step of the stage before ends under its own friction, and
         // this one knows the stresses that it starts from; after a restart too.
-        context.coupled.dem.compute_contacts()?;
+        context.coupled.compute_contacts()?;
         for wall in WallId::ALL {
-            context.coupled.dem.set_control(wall, WallControl::Fixed)?;
+            context.coupled.controls().set_control(wall, WallControl::Fixed)?;
         }
-        if !kind.is_coupled() {
+        if !context.stage.kind.is_coupled() {
             context.coupled.drain();
         }
+        let damping = context.mechanics().options.damping;
+        context.coupled.controls().set_damping(damping)?;
+        let kind = &context.stage.kind;
         Ok(match kind {
             StageKind::Compact(plan) => Active::Compact(compact::State::start(plan, context)?),
             StageKind::Cycle(plan) => Active::Cycle(cycle::State::start(plan, context)?),
@@ -63,14 +57,20 @@ impl Active {
         })
     }
 
+    /// One step, or the whole of a stage that has none. The damping that a stage
+    /// has changed ends with it.
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
-        match self {
+        let progress = match self {
             Active::Compact(state) => state.advance(context),
             Active::Cycle(state) => state.advance(context),
             Active::Permeability(state) => state.advance(context),
             Active::Consolidate(state) => state.advance(context),
             Active::Run(state) => state.advance(context),
+        }?;
+        if let Progress::Finished(_) = progress {
+            context.coupled.controls().set_damping(setup::options(context.plan).damping)?;
         }
+        Ok(progress)
     }
 
     /// The kind of the stage, as scenes name it.
@@ -102,12 +102,14 @@ impl Active {
     }
 
     /// Tells mechanics that were made anew what this stage has changed, and the
-    /// stage how many steps the plan now allows it.
-    pub fn restore(&mut self, coupled: &mut Coupled, plan: &Plan, kind: &StageKind) -> Result<()> {
-        match (self, kind) {
+    /// stage what the plan now allows it.
+    pub fn restore(&mut self, coupled: &mut Coupled, plan: &Plan, stage: &Stage) -> Result<()> {
+        let mechanics = plan.mechanics(stage).unwrap_or_default();
+        coupled.controls().set_damping(mechanics.options.damping)?;
+        match (self, &stage.kind) {
             (Active::Compact(state), StageKind::Compact(stage)) => {
                 state.allow(stage.max_steps);
-                state.restore(coupled)
+                state.restore(coupled, &mechanics)
             }
             (Active::Cycle(state), StageKind::Cycle(stage)) => {
                 state.allow(stage.max_steps);
@@ -124,45 +126,4 @@ impl Active {
             _ => Ok(()),
         }
     }
-}
-
-impl Context<'_> {
-    /// One step with the scene's time step, and with its fluid if the pores
-    /// are filled.
-    fn step(&mut self) -> Result<()> {
-        let (wanted, safety) =
-            self.plan.dem.as_ref().map_or((TimeStep::Auto, 0.8), |d| (d.dt, d.safety));
-        self.step_with(wanted, safety)
-    }
-
-    /// One step with the largest safe time step, for dry stages that only look
-    /// for equilibrium.
-    fn quasi_static_step(&mut self) -> Result<()> {
-        let safety = self.plan.dem.as_ref().map_or(0.8, |d| d.safety);
-        self.step_with(TimeStep::Auto, safety)
-    }
-
-    fn step_with(&mut self, wanted: TimeStep, safety: f64) -> Result<()> {
-        let dt = self.clock.next_dt(wanted, safety, self.coupled)?;
-        self.coupled.step(dt)?;
-        self.clock.advance();
-        Ok(())
-    }
-
-    /// Fills the pores with the scene's fluid.
-    fn saturate(&mut self) -> Result<()> {
-        let fluid = self.plan.fluid.as_ref().ok_or_else(|| {
-            InputError::new(
-                "a coupled stage in a scene without fluid",
-                "add a table [fluid] with its viscosity",
-            )
-        })?;
-        self.coupled.saturate(setup::saturation(fluid));
-        Ok(())
-    }
-}
-
-/// Logarithmic strain along each axis, compression positive.
-fn strain(from: &Aabb, to: &Aabb) -> [f64; 3] {
-    from.size().zip_map(&to.size(), |a, b| (a / b).ln()).into()
 }

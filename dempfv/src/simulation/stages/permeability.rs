@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress};
-use crate::coupling::{Phase, with_users_numbers};
+use super::context::{Context, Progress};
+use crate::coupling::{CouplingError, Phase};
 use crate::pfv::{Boundary, Flow};
 use crate::scene;
 use crate::simulation::outcome::{Outcome, PermeabilityTest};
-use crate::simulation::setup;
 use crate::theory::{kozeny_carman, sauter_diameter};
 use crate::{Axis, InputError, Result, WallId};
 
@@ -31,27 +30,27 @@ impl State {
         })?;
         let axis = [Axis::X, Axis::Y, Axis::Z][self.axis as usize];
         let lower = WallId::ALL[2 * axis.index()];
-        let mut saturation = setup::saturation(fluid);
-        saturation.fluid.boundary = Boundary::default();
-        saturation.fluid.boundary.pressure[lower] = Some(1.0);
-        saturation.fluid.boundary.pressure[lower.opposite()] = Some(0.0);
+        let mut fluid_in_pores = fluid.fluid;
+        fluid_in_pores.boundary = Boundary::default();
+        fluid_in_pores.boundary.pressure[lower] = Some(1.0);
+        fluid_in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
 
-        let dem = &context.coupled.dem;
+        let dem = context.coupled.dem();
         let particles = dem.particles();
         let mut flow = Flow::new(
             &particles.position,
             &particles.radius,
             dem.box_(),
-            &saturation.fluid,
-            saturation.solver,
+            &fluid_in_pores,
+            fluid.solver,
         )
-        .map_err(|e| with_users_numbers(e.into(), particles))?;
-        context.coupled.book_flow(flow.build_times());
-        context.coupled.time_dry(Phase::Solve, |_| flow.solve_static())?;
+        .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
+        context.coupled.book_build(flow.build_times());
+        context.coupled.time(Phase::Solve, || flow.solve_static())?;
         let measured = flow.permeability(lower);
         let measured = measured
             .ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
-        let dem = &context.coupled.dem;
+        let dem = context.coupled.dem();
         let porosity = dem.porosity();
         Ok(Progress::Finished(Outcome::Permeability(PermeabilityTest {
             axis: axis.name().to_owned(),

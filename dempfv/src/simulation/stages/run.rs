@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Progress, strain};
+use super::context::{Context, Progress};
+use super::strain::logarithmic_strain;
 use crate::coupling::Coupled;
-use crate::coupling::CouplingError;
-use crate::dem::WallControl;
 use crate::scene::{self, Plan, Until};
+use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
-use crate::simulation::outcome::{Motion, MotionSample, Outcome};
+use crate::simulation::outcome::{Outcome, StressPath, StressPathSample};
 use crate::{Aabb, Result, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct State {
     start_time: f64,
     /// Share of the stage that is done, where the strain ends it.
     strained: f64,
-    samples: Vec<MotionSample>,
+    samples: Vec<StressPathSample>,
 }
 
 /// Moments of the stage's course that are kept.
@@ -35,8 +35,8 @@ enum End {
 
 impl State {
     pub fn start(plan: &scene::Run, context: &mut Context) -> Result<State> {
-        for (wall, control) in WallId::ALL.into_iter().zip(&plan.walls) {
-            context.coupled.dem.set_control(wall, wall_control(control))?;
+        for (wall, control) in plan.walls.iter() {
+            context.coupled.controls().set_control(wall, *control)?;
         }
         if plan.fluid {
             context.saturate()?;
@@ -51,7 +51,7 @@ impl State {
                 }
             },
             friction_angle: plan.friction_angle,
-            reference: context.coupled.dem.box_(),
+            reference: context.coupled.dem().box_(),
             steps: 0,
             start_time: clock.time,
             strained: 0.0,
@@ -63,8 +63,8 @@ impl State {
 
     pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
         Ok(coupled
-            .dem
-            .set_friction(self.friction_angle.unwrap_or(plan.particles.friction_angle))?)
+            .controls()
+            .set_friction(self.friction_angle.unwrap_or(plan.particles.material.friction_angle))?)
     }
 
     /// Changes how many steps the stage may take to reach its strain.
@@ -76,15 +76,15 @@ impl State {
         }
     }
 
-    fn sample(&self, context: &Context) -> MotionSample {
+    fn sample(&self, context: &Context) -> StressPathSample {
         let coupled = &context.coupled;
         let stress = |axis: usize| {
             0.5 * (coupled.wall_stress(WallId::ALL[2 * axis])
                 + coupled.wall_stress(WallId::ALL[2 * axis + 1]))
         };
-        MotionSample {
+        StressPathSample {
             time_s: context.clock.time - self.start_time,
-            strain: strain(&self.reference, &coupled.dem.box_()),
+            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
             stress_pa: [0, 1, 2].map(stress),
             mean_pressure_pa: coupled.mean_pressure(),
         }
@@ -110,10 +110,10 @@ impl State {
                 return Ok(Progress::Running);
             }
         }
-        context.coupled.dem.set_friction(context.plan.particles.friction_angle)?;
+        context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         let coupled = &context.coupled;
-        Ok(Progress::Finished(Outcome::Run(Motion {
-            strain: strain(&self.reference, &coupled.dem.box_()),
+        Ok(Progress::Finished(Outcome::Run(StressPath {
+            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
             wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
             unbalanced_force: coupled.unbalanced_force(),
             samples: std::mem::take(&mut self.samples),
@@ -129,10 +129,10 @@ impl State {
                 Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
             }
             End::Strain { goal, axis, max_steps } => {
-                let now = strain(&self.reference, &context.coupled.dem.box_())[axis];
+                let now = logarithmic_strain(&self.reference, &context.coupled.dem().box_())[axis];
                 self.strained = (now / goal).clamp(0.0, 1.0);
                 if now / goal < 1.0 && self.steps >= max_steps {
-                    return Err(CouplingError::StrainNotReached {
+                    return Err(StageError::StrainNotReached {
                         steps: self.steps,
                         strain: now,
                         goal,
@@ -141,16 +141,6 @@ impl State {
                 }
                 Ok(now / goal >= 1.0)
             }
-        }
-    }
-}
-
-fn wall_control(control: &scene::WallControl) -> WallControl {
-    match *control {
-        scene::WallControl::Fixed => WallControl::Fixed,
-        scene::WallControl::Velocity { velocity } => WallControl::Velocity(velocity),
-        scene::WallControl::Stress { stress, max_velocity } => {
-            WallControl::Servo { stress, max_velocity }
         }
     }
 }

@@ -10,8 +10,8 @@ mod raw;
 use std::sync::{Mutex, PoisonError};
 
 use super::{
-    Analysis, Backend, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc, blas,
-    ordering, require_size,
+    Analysis, Backend, Cost, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc,
+    SystemSize, blas, cost, ordering, require_size,
 };
 use accelerator::Accelerator;
 use raw::{Fault, Raw};
@@ -47,6 +47,10 @@ impl Backend for Cholmod {
     ) -> Result<Box<dyn Symbolic>, SolverError> {
         analyze(a, coordinates, None)
     }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(cost::CHOLMOD.cost(size))
+    }
 }
 
 /// The CHOLMOD backend with its largest dense parts on an NVIDIA GPU (Rennich,
@@ -71,6 +75,11 @@ impl Backend for CholmodGpu {
     ) -> Result<Box<dyn Symbolic>, SolverError> {
         analyze(a, coordinates, Some(self.0))
     }
+
+    /// That of the CPU, which a GPU may undercut by as much as it is faster.
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Cholmod.cost(size)
+    }
 }
 
 fn analyze(
@@ -82,9 +91,8 @@ fn analyze(
     if let Some(points) = coordinates {
         require_size("the list of coordinates", a.n, points.len())?;
     }
-    blas::choose_default();
     let (name, raw) = match coordinates {
-        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::order(a, points)))),
+        Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::minimum_cuts(a, points)))),
         None => {
             // A panic in another analysis leaves nothing behind in METIS.
             let _alone = ORDERING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -92,12 +100,21 @@ fn analyze(
         }
     };
     let raw = raw.map_err(|fault| error(fault, "analyze", a.n))?;
-    let (nnz_l, flops) = raw.counts();
-    let analysis = Analysis { ordering: name, nnz_l: nnz_l as u64, flops };
-    let accelerator = gpu.map(Accelerator::new);
-    let placement = Placement::default();
-    let (n, pattern) = (a.n, a.pattern_hash());
-    Ok(Box::new(CholmodFactor { raw, n, pattern, analysis, accelerator, placement }))
+    Ok(Box::new(CholmodFactor::new(a, raw, name, gpu.map(Accelerator::new))))
+}
+
+/// Analyzes a validated matrix by an order of elimination that is known, under its name.
+///
+/// # Errors
+/// Memory ran out, or CHOLMOD refused.
+pub(super) fn analyze_in_order(
+    a: &SymmetricCsc,
+    order: &[u32],
+    ordering: &'static str,
+) -> Result<Box<dyn Symbolic>, SolverError> {
+    let order: Vec<i64> = order.iter().map(|&k| k.into()).collect();
+    let raw = Raw::analyze(a, Some(&order)).map_err(|fault| error(fault, "analyze", a.n))?;
+    Ok(Box::new(CholmodFactor::new(a, raw, ordering, None)))
 }
 
 /// The order of elimination that METIS finds, through CHOLMOD: entry k is the
@@ -124,6 +141,24 @@ struct CholmodFactor {
 }
 
 impl CholmodFactor {
+    fn new(
+        a: &SymmetricCsc,
+        raw: Raw,
+        ordering: &'static str,
+        accelerator: Option<Accelerator>,
+    ) -> CholmodFactor {
+        blas::choose_default();
+        let (nnz_l, flops) = raw.counts();
+        CholmodFactor {
+            raw,
+            n: a.n,
+            pattern: a.pattern_hash(),
+            analysis: Analysis { ordering, nnz_l: nnz_l as u64, flops },
+            accelerator,
+            placement: Placement::default(),
+        }
+    }
+
     fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
         if a.n != self.n || a.pattern_hash() != self.pattern {
             return Err(SolverError::PatternChanged);
@@ -177,6 +212,10 @@ impl Symbolic for CholmodFactor {
 }
 
 impl Factor for CholmodFactor {
+    fn solver(&self) -> &'static str {
+        if self.accelerator.is_some() { "cholmod-gpu" } else { NAME }
+    }
+
     fn analysis(&self) -> Analysis {
         self.analysis
     }

@@ -1,14 +1,12 @@
-//! Dense parts in single precision: the BLAS where there is enough to do for
-//! it, loops of our own where there is not.
+//! Dense operations on tiles in single precision: the BLAS where there is enough to do for it, loops
+//! of our own where there is not.
 
-use std::ffi::c_int;
-
-use cholmod_sys::blas;
-
-use super::lanes;
+use super::cblas;
+pub use super::cblas::subtract_product;
+use super::microkernel;
 
 /// Below this many columns a loop beats a call of the BLAS.
-const FEW: usize = 12;
+const BLAS_COLUMNS: usize = 12;
 
 /// A block by columns: `rows` entries each, `stride` from one to the next.
 #[derive(Clone, Copy)]
@@ -30,76 +28,17 @@ impl<'a> Block<'a> {
     }
 }
 
-/// C = β C - A Bᵀ over `k` columns of A and B; C has the rows of A, and as many
-/// columns as B has rows.
-pub fn subtract_product(
-    c: &mut [f32],
-    stride: usize,
-    a: Block<'_>,
-    b: Block<'_>,
-    k: usize,
-    beta: f32,
-) {
-    let (m, n) = (a.rows, b.rows);
-    if m == 0 || n == 0 || k == 0 {
-        return;
-    }
-    let inside = |data: usize, stride: usize, rows: usize, columns: usize| {
-        rows <= stride && (columns - 1) * stride + rows <= data
-    };
-    assert!(inside(c.len(), stride, m, n), "C is too small");
-    assert!(inside(a.data.len(), a.stride, m, k), "A is too small");
-    assert!(inside(b.data.len(), b.stride, n, k), "B is too small");
-    // SAFETY: the three blocks lie inside their slices, as asserted; sizes of
-    // tiles fit into an int.
-    unsafe {
-        blas::cblas_sgemm(
-            blas::COLUMNS,
-            blas::PLAIN,
-            blas::TRANSPOSED,
-            m as c_int,
-            n as c_int,
-            k as c_int,
-            -1.0,
-            a.data.as_ptr(),
-            a.stride as c_int,
-            b.data.as_ptr(),
-            b.stride as c_int,
-            beta,
-            c.as_mut_ptr(),
-            stride as c_int,
-        );
-    }
-}
-
 /// B = B L⁻ᵀ for the lower triangle L (w by w, packed) and `rows` rows of B.
 pub fn solve_right(b: &mut [f32], rows: usize, l: &[f32], w: usize, inverse: &[f32]) {
     assert!(b.len() >= rows * w && l.len() >= w * w && inverse.len() == w);
     if rows == 0 || w == 0 {
         return;
     }
-    if w <= FEW {
+    if w <= BLAS_COLUMNS {
         pulp::Arch::new().dispatch(SolveRight { b, rows, l, w, inverse });
         return;
     }
-    // SAFETY: both blocks lie inside their slices, as asserted; sizes of tiles
-    // fit into an int.
-    unsafe {
-        blas::cblas_strsm(
-            blas::COLUMNS,
-            blas::RIGHT,
-            blas::LOWER,
-            blas::TRANSPOSED,
-            blas::NON_UNIT,
-            rows as c_int,
-            w as c_int,
-            1.0,
-            l.as_ptr(),
-            w as c_int,
-            b.as_mut_ptr(),
-            rows as c_int,
-        );
-    }
+    cblas::solve_right(b, rows, l, w);
 }
 
 struct SolveRight<'a> {
@@ -198,11 +137,11 @@ impl pulp::WithSimd for SubtractTimes<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        lanes::subtract_times(simd, self.y, self.a, self.y.len(), self.x);
+        microkernel::subtract_times(simd, self.y, self.a, self.y.len(), self.x);
     }
 }
 
-/// x = L⁻¹ x for a packed lower triangle whose strips are inverted.
+/// x = L⁻¹ x for a packed lower triangle whose pivot blocks are inverted.
 pub fn solve_lower(x: &mut [f32], l: &[f32]) {
     pulp::Arch::new().dispatch(SolveLower { x, l });
 }
@@ -217,6 +156,6 @@ impl pulp::WithSimd for SolveLower<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, simd: S) {
-        lanes::solve_lower(simd, self.x, self.l);
+        microkernel::solve_lower(simd, self.x, self.l);
     }
 }

@@ -5,14 +5,14 @@
 //! whose sum is negative: what a pore loses is what its neighbours gain, and
 //! what leaves through imposed pressures. Elimination keeps it so. A pivot can
 //! therefore be had as a sum of sizes (the entries left in its column, and the
-//! row's excess, which is carried along) in place of a difference, and nothing
+//! row excess, which is carried along) in place of a difference, and nothing
 //! in the whole factorization cancels (Grassmann, Taksar and Heyman 1985; Alfa,
 //! Xue and Ye 2002). Each entry of L has a relative error of about 10⁻⁶, however
 //! many decades the conductances span, where plain Cholesky factorization in
 //! single precision loses one digit for each decade of the condition number.
 //!
 //! What solves read of it is rounded to 16 bits an entry, or 8, so that no fluid is lost (see
-//! [`shares`]), and large factors have blocks of it as few [`products`]. A solve with this
+//! [`packed`]), and large factors have blocks of [`low_rank`]. A solve with this
 //! factor is a correction that gains five digits where the pressures are smooth. The residual
 //! is evaluated in double precision from differences of pressures, and corrections are
 //! repeated until they no longer help.
@@ -21,37 +21,39 @@
 //! tree of fronts is worked through on all threads; results are the same bits
 //! for any number.
 
-mod apply;
-mod assemble;
-mod block;
+mod cblas;
 mod dense;
-mod lanes;
+mod extend_add;
+mod kernels;
+mod low_rank;
+mod m_matrix;
+mod microkernel;
 mod numeric;
+mod packed;
 mod pivot;
-mod plan;
-mod products;
+mod schedule;
 mod shape;
-mod shares;
+mod solve;
+mod substitution;
 mod supernodes;
-mod sweep;
 mod symbolic;
-mod system;
+mod tail;
 
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
 use super::{
-    Analysis, Backend, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc, blas,
-    cholmod, ordering, refine, require_size,
+    Analysis, Backend, Cost, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc,
+    SystemSize, blas, cholmod, cost, ordering, refine, require_size,
 };
 use crate::parallel::{advise_huge_pages, max_norm};
-use apply::Solve;
-use numeric::{Entries, Factorization, Stopped};
-use plan::Plan;
-use shares::Places;
+use m_matrix::MMatrix;
+use numeric::{Factorization, PackedFactor, Stopped};
+use packed::FactorLayout;
+use schedule::Schedule;
+use solve::Solve;
 use symbolic::Pattern;
-use system::System;
 
 /// In messages.
 const NAME: &str = "frontal";
@@ -61,12 +63,12 @@ const NAME: &str = "frontal";
 const PIVOT_LIMIT: f64 = 1e-14;
 
 /// Entries of a vector that one thread takes at a time.
-const CHUNK: usize = 8192;
+const CHUNK_ENTRIES: usize = 8192;
 
 /// Most corrections of a solve, and what they may leave at the end, relative to
 /// the solution.
-const CORRECTIONS: usize = 8;
-const SETTLED: f64 = 1e-17;
+const MAX_CORRECTIONS: usize = 8;
+const REFINEMENT_TOLERANCE: f64 = 1e-17;
 
 /// Largest residual of one correction. A sound factor was seen to leave 10⁻⁸ to 2·10⁻⁷.
 const CORRECTION_LIMIT: f64 = 1e-5;
@@ -86,6 +88,29 @@ impl Backend for Frontal {
         a: &SymmetricCsc,
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<Box<dyn Symbolic>, SolverError> {
+        Ok(Box::new(FrontalSymbolic::new(a, coordinates)?))
+    }
+
+    fn cost(&self, size: &SystemSize) -> Option<Cost> {
+        Some(cost::FRONTAL.cost(size))
+    }
+}
+
+/// The symbolic factorization, and the schedule that follows from it.
+pub(super) struct FrontalSymbolic {
+    pattern: Pattern,
+    schedule: Schedule,
+    layout: FactorLayout,
+    analysis: Analysis,
+    hash: u64,
+}
+
+impl FrontalSymbolic {
+    /// See [`Backend::analyze`].
+    pub(super) fn new(
+        a: &SymmetricCsc,
+        coordinates: Option<&[[f64; 3]]>,
+    ) -> Result<FrontalSymbolic, SolverError> {
         a.validate()?;
         if u32::try_from(2 * a.nnz()).is_err() {
             return Err(SolverError::TooLarge { solver: NAME, n: a.n });
@@ -96,65 +121,68 @@ impl Backend for Frontal {
         blas::choose_default();
         let (ordering, order) = match coordinates {
             Some(points) => {
-                let order = ordering::order(a, points);
+                let order = ordering::minimum_cuts(a, points);
                 ("minimum cuts", order.into_iter().map(|k| k as u32).collect())
             }
             None => ("metis", cholmod::metis_order(a)?),
         };
         let pattern = Pattern::new(a, order);
-        let plan = Plan::new(&pattern);
-        let places = Places::new(&pattern);
+        let schedule = Schedule::new(&pattern);
+        let layout = FactorLayout::new(&pattern);
         let analysis = Analysis { ordering, nnz_l: pattern.nnz_l, flops: pattern.flops };
         let hash = a.pattern_hash();
-        Ok(Box::new(Analyzed { pattern, plan, places, analysis, hash }))
-    }
-}
-
-struct Analyzed {
-    pattern: Pattern,
-    plan: Plan,
-    places: Places,
-    analysis: Analysis,
-    hash: u64,
-}
-
-impl Symbolic for Analyzed {
-    fn analysis(&self) -> Analysis {
-        self.analysis
+        Ok(FrontalSymbolic { pattern, schedule, layout, analysis, hash })
     }
 
-    fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+    /// A factor of no matrix yet.
+    pub(super) fn into_factor(self) -> FrontalFactor {
+        let n = self.pattern.n;
+        FrontalFactor {
+            vectors: vec![0.0; self.schedule.vectors],
+            residual: vec![0.0; n],
+            correction: vec![0.0; n],
+            m_matrix: MMatrix::default(),
+            packed: PackedFactor::default(),
+            symbolic: self,
+        }
+    }
+
+    /// Memory for the packed factor: zeros as the system hands them out, whose pages come where
+    /// they are written first, on all threads.
+    fn allocate(&self) -> Result<PackedFactor, SolverError> {
         let n = self.pattern.n;
         let out_of_memory = |_| SolverError::OutOfMemory { solver: NAME, phase: "factor", n };
-        // Zeros as the system hands them out: their pages come where they are written
-        // first, on all threads.
-        let words = self.places.end().words + shares::SLACK;
-        let triangles = self.places.end().triangles + shares::SLACK;
-        let entries = Entries {
+        let words = self.layout.end().words + packed::OVERREAD_WORDS;
+        let triangles = self.layout.end().triangles + packed::OVERREAD_WORDS;
+        let packed = PackedFactor {
             words: bytemuck::allocation::try_zeroed_vec(words).map_err(out_of_memory)?,
             triangles: bytemuck::allocation::try_zeroed_vec(triangles).map_err(out_of_memory)?,
             factors: vec![0.0; n],
             inverse: vec![0.0; n],
         };
-        advise_huge_pages(&entries.words);
-        advise_huge_pages(&entries.triangles);
-        let mut factor = FrontalFactor {
-            vectors: vec![0.0; self.plan.vectors],
-            residual: vec![0.0; n],
-            correction: vec![0.0; n],
-            system: System::default(),
-            analyzed: *self,
-            entries,
-        };
+        advise_huge_pages(&packed.words);
+        advise_huge_pages(&packed.triangles);
+        Ok(packed)
+    }
+}
+
+impl Symbolic for FrontalSymbolic {
+    fn analysis(&self) -> Analysis {
+        self.analysis
+    }
+
+    fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        let mut factor = self.into_factor();
         factor.factorize(a)?;
         Ok(Box::new(factor))
     }
 }
 
-struct FrontalFactor {
-    analyzed: Analyzed,
-    system: System,
-    entries: Entries,
+/// A factor, or memory for one.
+pub(super) struct FrontalFactor {
+    symbolic: FrontalSymbolic,
+    m_matrix: MMatrix,
+    packed: PackedFactor,
     /// The vectors of the tasks.
     vectors: Vec<f32>,
     residual: Vec<f64>,
@@ -162,16 +190,25 @@ struct FrontalFactor {
 }
 
 impl FrontalFactor {
-    fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
-        let Analyzed { pattern, plan, places, hash, .. } = &self.analyzed;
+    /// Factors a matrix, in the memory of this factor if it has any.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factor`]; and the matrix is no diagonally dominant M-matrix, which is
+    /// found before anything is computed.
+    pub(super) fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
+        let FrontalSymbolic { pattern, schedule, layout, hash, .. } = &self.symbolic;
         if a.n != pattern.n || a.pattern_hash() != *hash {
             return Err(SolverError::PatternChanged);
         }
-        self.system.update(a)?;
-        let (values, excess) = self.system.scaled(a, &pattern.order);
-        let work = Factorization { pattern, plan, places, values: &values, excess: &excess };
+        self.m_matrix.update(a)?;
+        if self.packed.words.is_empty() {
+            self.packed = self.symbolic.allocate()?;
+        }
+        let (values, row_excess) = self.m_matrix.scaled(a, &pattern.order);
+        let work =
+            Factorization { pattern, schedule, layout, values: &values, row_excess: &row_excess };
         let unknown = |column: usize| pattern.order[column] as usize;
-        work.run(&mut self.entries).map_err(|Stopped(column)| {
+        work.run(&mut self.packed).map_err(|Stopped(column)| {
             // Every term of a pivot is positive or zero.
             SolverError::NearlySingular { column: unknown(column), ratio: 0.0 }
         })?;
@@ -180,11 +217,11 @@ impl FrontalFactor {
 
     /// Refuses a factor one of whose pivots is round-off of the matrix.
     fn check_pivots(&self, a: &SymmetricCsc) -> Result<(), SolverError> {
-        let order = &self.analyzed.pattern.order;
+        let order = &self.symbolic.pattern.order;
         let mut worst = (0, f64::INFINITY);
-        for (&inverse, &unknown) in self.entries.inverse.iter().zip(order) {
+        for (&inverse, &unknown) in self.packed.inverse.iter().zip(order) {
             let unknown = unknown as usize;
-            let pivot = 1.0 / (f64::from(inverse) * f64::from(inverse)) / self.system.scale;
+            let pivot = 1.0 / (f64::from(inverse) * f64::from(inverse)) / self.m_matrix.scale;
             let ratio = pivot / a.values[a.col_ptr[unknown] as usize];
             if ratio < worst.1 {
                 worst = (unknown, ratio);
@@ -199,35 +236,64 @@ impl FrontalFactor {
     }
 
     /// x = A⁻¹ b to single precision, for a right-hand side of this size.
-    fn apply(&mut self, b: &[f64], size: f64, x: &mut [f64]) {
-        let Analyzed { pattern, plan, places, .. } = &self.analyzed;
+    fn solve_once(&mut self, b: &[f64], size: f64, x: &mut [f64]) {
+        let FrontalSymbolic { pattern, schedule, layout, .. } = &self.symbolic;
         if size == 0.0 {
             x.fill(0.0);
             return;
         }
         // Of the smallest sizes there is no inverse.
         let to_one = size.recip().min(f64::MAX);
-        let entries = &self.entries;
-        let solve = Solve { pattern, plan, places, entries, right_hand_side: b, factor: to_one };
+        let entries = &self.packed;
+        let solve =
+            Solve { pattern, schedule, layout, entries, right_hand_side: b, factor: to_one };
         solve.run(&mut self.vectors);
-        let scale = self.system.scale / to_one;
+        let scale = self.m_matrix.scale / to_one;
         let vectors = &*self.vectors;
         let part = |(x, places): (&mut [f64], &[u32])| {
             for (x, &place) in x.iter_mut().zip(places) {
                 *x = f64::from(vectors[place as usize]) * scale;
             }
         };
-        if plan.is_shared {
-            x.par_chunks_mut(CHUNK).zip(plan.place.par_chunks(CHUNK)).for_each(part);
+        if schedule.is_parallel {
+            x.par_chunks_mut(CHUNK_ENTRIES)
+                .zip(schedule.place.par_chunks(CHUNK_ENTRIES))
+                .for_each(part);
         } else {
-            part((x, &plan.place));
+            part((x, &schedule.place));
         }
+    }
+
+    /// Corrects x until corrections no longer shrink, with residuals in double precision
+    /// (iterative refinement: Wilkinson 1963; Higham 2002).
+    fn refine(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
+        let residual = std::mem::take(&mut self.residual);
+        let correction = std::mem::take(&mut self.correction);
+        let last = max_norm(x);
+        let mut refined = Refined { factor: self, b, x, residual, correction, last, stalled: 0 };
+        refine(&mut refined, MAX_CORRECTIONS)?;
+        let Refined { residual, correction, .. } = refined;
+        self.residual = residual;
+        self.correction = correction;
+        Ok(())
+    }
+
+    /// Gives the memory of the packed factor back; the next factorization asks for it again.
+    pub(super) fn release(&mut self) {
+        self.packed = PackedFactor::default();
+    }
+
+    /// The order of elimination.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.symbolic.pattern.order
     }
 
     /// Size of a right-hand side.
     fn size_of(&self, b: &[f64]) -> Result<f64, SolverError> {
-        let size = match self.analyzed.plan.is_shared {
-            true => b.par_chunks(CHUNK).map(max_norm).reduce(|| 0.0, |a, b| max_norm(&[a, b])),
+        let size = match self.symbolic.schedule.is_parallel {
+            true => {
+                b.par_chunks(CHUNK_ENTRIES).map(max_norm).reduce(|| 0.0, |a, b| max_norm(&[a, b]))
+            }
             false => max_norm(b),
         };
         if size.is_finite() {
@@ -253,12 +319,12 @@ struct Refined<'a> {
 
 impl Refinement for Refined<'_> {
     fn evaluate_residual(&mut self) {
-        self.factor.system.residual(self.b, self.x, &mut self.residual);
+        self.factor.m_matrix.residual(self.b, self.x, &mut self.residual);
     }
 
     fn evaluate_correction(&mut self) -> Result<(), SolverError> {
         let size = max_norm(&self.residual);
-        self.factor.apply(&self.residual, size, &mut self.correction);
+        self.factor.solve_once(&self.residual, size, &mut self.correction);
         Ok(())
     }
 
@@ -272,7 +338,7 @@ impl Refinement for Refined<'_> {
         }
         self.x.iter_mut().zip(&self.correction).for_each(|(x, c)| *x += c);
         // The next one would shrink as this one has.
-        if size * (size / self.last) <= SETTLED * max_norm(self.x) {
+        if size * (size / self.last) <= REFINEMENT_TOLERANCE * max_norm(self.x) {
             return ControlFlow::Break(());
         }
         self.last = size;
@@ -281,33 +347,29 @@ impl Refinement for Refined<'_> {
 }
 
 impl Factor for FrontalFactor {
+    fn solver(&self) -> &'static str {
+        NAME
+    }
+
     fn analysis(&self) -> Analysis {
-        self.analyzed.analysis
+        self.symbolic.analysis
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
-        let n = self.analyzed.pattern.n;
+        let n = self.symbolic.pattern.n;
         require_size("the right-hand side", n, b.len())?;
         require_size("the solution", n, x.len())?;
         let size = self.size_of(b)?;
-        self.apply(b, size, x);
-        let residual = std::mem::take(&mut self.residual);
-        let correction = std::mem::take(&mut self.correction);
-        let last = max_norm(x);
-        let mut refined = Refined { factor: self, b, x, residual, correction, last, stalled: 0 };
-        refine(&mut refined, CORRECTIONS)?;
-        let Refined { residual, correction, .. } = refined;
-        self.residual = residual;
-        self.correction = correction;
-        Ok(())
+        self.solve_once(b, size, x);
+        self.refine(b, x)
     }
 
     fn correct(&mut self, r: &[f64], x: &mut [f64]) -> Result<(), SolverError> {
-        let n = self.analyzed.pattern.n;
+        let n = self.symbolic.pattern.n;
         require_size("the residual", n, r.len())?;
         require_size("the correction", n, x.len())?;
         let size = self.size_of(r)?;
-        self.apply(r, size, x);
+        self.solve_once(r, size, x);
         Ok(())
     }
 
@@ -333,14 +395,14 @@ impl Factor for FrontalFactor {
     }
 
     fn memory_bytes(&self) -> usize {
-        let Analyzed { pattern, plan, places, .. } = &self.analyzed;
-        self.entries.memory_bytes()
+        let FrontalSymbolic { pattern, schedule, layout, .. } = &self.symbolic;
+        self.packed.memory_bytes()
             + 4 * self.vectors.len()
             + 16 * pattern.n
             + pattern.memory_bytes()
-            + plan.memory_bytes()
-            + places.memory_bytes()
-            + self.system.memory_bytes()
+            + schedule.memory_bytes()
+            + layout.memory_bytes()
+            + self.m_matrix.memory_bytes()
     }
 
     fn placement(&self) -> &Placement {
@@ -380,31 +442,31 @@ mod tests {
         a
     }
 
-    /// With blocks kept as products a correction leaves about what it does without, of an error
+    /// With blocks kept as low-rank sums a correction leaves about what it does without, of an error
     /// in which neighbours differ at random: where conductances span three decades 3e-5
     /// was seen with and without, where nine 8e-3 and 3e-3. Any number of threads gives the
     /// same bits.
     #[test]
-    fn products_keep_the_digits_of_a_correction() {
+    fn low_rank_blocks_keep_the_digits_of_a_correction() {
         for (decades, bound) in [(3.0, 1e-4), (9.0, 2e-2)] {
-            products_keep_digits(&network(30, decades), bound);
+            low_rank_keeps_digits(&network(30, decades), bound);
         }
     }
 
-    fn products_keep_digits(a: &SymmetricCsc, bound: f64) {
+    fn low_rank_keeps_digits(a: &SymmetricCsc, bound: f64) {
         let truth: Vec<f64> = (0..a.n).map(|k| 1.0 + (k * 31 % 1_009) as f64 / 1_009.0).collect();
         let mut b = vec![0.0; a.n];
         a.multiply(&truth, &mut b);
-        let run = |threads: usize, products: bool| {
+        let run = |threads: usize, low_rank: bool| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let pattern = Pattern::new(a, cholmod::metis_order(a).unwrap());
-                let plan = Plan { products, ..Plan::new(&pattern) };
-                let places = Places::new(&pattern);
+                let schedule = Schedule { low_rank, ..Schedule::new(&pattern) };
+                let layout = FactorLayout::new(&pattern);
                 let analysis = Analysis { ordering: "metis", nnz_l: 0, flops: 0.0 };
                 let hash = a.pattern_hash();
-                let analyzed = Analyzed { pattern, plan, places, analysis, hash };
-                let symbolic: Box<dyn Symbolic> = Box::new(analyzed);
+                let symbolic = FrontalSymbolic { pattern, schedule, layout, analysis, hash };
+                let symbolic: Box<dyn Symbolic> = Box::new(symbolic);
                 let mut x = vec![0.0; a.n];
                 symbolic.factor(a).unwrap().correct(&b, &mut x).unwrap();
                 x

@@ -1,80 +1,92 @@
-//! The factorization: fronts are assembled from the matrix and from what is
-//! left of the fronts below, their own columns are eliminated, and the rest is
-//! handed up (Duff and Reid 1983).
+//! The numerical factorization, multifrontal (Duff and Reid 1983; Liu 1992): a front is assembled
+//! from entries of the matrix and the contribution blocks of its children, its own columns are
+//! eliminated panel by panel, and the Schur complement is its contribution block to the parent.
+//! Pivots are sums of sizes (Grassmann, Taksar and Heyman 1985).
 
 use rayon::prelude::*;
 
-use super::assemble;
 use super::dense::{self, Block};
+use super::extend_add;
+use super::packed::{self, FactorLayout, FactorSlices};
 use super::pivot;
-use super::plan::Plan;
+use super::schedule::Schedule;
 use super::shape::Shape;
-use super::shares::{self, Part, Places};
 use super::symbolic::Pattern;
 
 /// What a front leaves to its parent.
-pub struct Update {
+pub struct ContributionBlock {
     /// The supernode of the front.
     pub from: usize,
     /// The Schur complement, in tiles; its diagonal is not kept.
     pub entries: Vec<f32>,
-    /// What the rows' excesses have grown by.
-    pub excess: Vec<f32>,
+    /// What the rows' row excesses have grown by.
+    pub row_excess: Vec<f32>,
 }
 
 /// Where a factorization stopped: a column of the factor.
 pub struct Stopped(pub usize);
 
-/// The factor as solves read it (see [`shares`]), with some slack after what may be read
+/// The factor as solves read it (see [`packed`]), with some slack after what may be read
 /// beyond its end, and the inverses of its diagonal.
-pub struct Entries {
+#[derive(Default)]
+pub struct PackedFactor {
     pub words: Vec<u32>,
     pub triangles: Vec<f32>,
     pub factors: Vec<f32>,
     pub inverse: Vec<f32>,
 }
 
-impl Entries {
-    fn all(&mut self) -> Part<'_> {
-        let Entries { words, triangles, factors, inverse } = self;
-        Part { words, triangles, factors, inverse }
+impl PackedFactor {
+    fn all(&mut self) -> FactorSlices<'_> {
+        let PackedFactor { words, triangles, factors, inverse } = self;
+        FactorSlices { words, triangles, factors, inverse }
     }
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let Entries { words, triangles, factors, inverse } = self;
+        let PackedFactor { words, triangles, factors, inverse } = self;
         4 * (words.len() + triangles.len() + factors.len() + inverse.len())
     }
 }
 
 /// Fronts of so many entries share their tiles between threads.
-const SHARED: usize = 1 << 17;
+const PARALLEL_FRONT_ENTRIES: usize = 1 << 17;
 
 pub struct Factorization<'a> {
     pub pattern: &'a Pattern,
-    pub plan: &'a Plan,
-    pub places: &'a Places,
+    pub schedule: &'a Schedule,
+    pub layout: &'a FactorLayout,
     /// Values of the matrix, scaled.
     pub values: &'a [f32],
     /// Row sums by column of the factor, scaled.
-    pub excess: &'a [f32],
+    pub row_excess: &'a [f32],
 }
 
 impl Factorization<'_> {
     /// Factors into memory of the right size or more.
-    pub fn run(&self, into: &mut Entries) -> Result<(), Stopped> {
-        self.tasks(&self.plan.roots, into.all(), &mut vec![]).map(|_| ())
+    pub fn run(&self, into: &mut PackedFactor) -> Result<(), Stopped> {
+        self.tasks(&self.schedule.roots, into.all(), &mut vec![]).map(|_| ())
     }
 
     /// Cuts off the front part: that of supernodes `from..to`, with which it starts.
-    fn cut<'a>(&self, part: Part<'a>, from: usize, to: usize) -> (Part<'a>, Part<'a>) {
-        let (from, to) = (self.places.of(from), self.places.of(to));
+    fn cut<'a>(
+        &self,
+        part: FactorSlices<'a>,
+        from: usize,
+        to: usize,
+    ) -> (FactorSlices<'a>, FactorSlices<'a>) {
+        let (from, to) = (self.layout.of(from), self.layout.of(to));
         let columns = (to.column - from.column) as usize;
         part.split(to.words - from.words, to.triangles - from.triangles, columns)
     }
 
     /// Works through tasks, two halves at a time, and collects what they leave.
-    fn tasks(&self, tasks: &[u32], part: Part<'_>, left: &mut Vec<Update>) -> Result<(), Stopped> {
+    fn tasks(
+        &self,
+        tasks: &[u32],
+        part: FactorSlices<'_>,
+        left: &mut Vec<ContributionBlock>,
+    ) -> Result<(), Stopped> {
         match tasks {
             [] => Ok(()),
             [task] => {
@@ -83,7 +95,7 @@ impl Factorization<'_> {
             }
             _ => {
                 let (a, b) = tasks.split_at(tasks.len() / 2);
-                let all = |task: u32| &self.plan.tasks[task as usize].all;
+                let all = |task: u32| &self.schedule.tasks[task as usize].all;
                 let (part_a, part_b) = self.cut(part, all(a[0]).start, all(b[0]).start);
                 let mut more = vec![];
                 let (first, second) = rayon::join(
@@ -98,9 +110,9 @@ impl Factorization<'_> {
         }
     }
 
-    fn task(&self, task: usize, part: Part<'_>) -> Result<Update, Stopped> {
-        let task = &self.plan.tasks[task];
-        let mut waiting: Vec<Update> = vec![];
+    fn task(&self, task: usize, part: FactorSlices<'_>) -> Result<ContributionBlock, Stopped> {
+        let task = &self.schedule.tasks[task];
+        let mut waiting: Vec<ContributionBlock> = vec![];
         let (below, mut rest) = self.cut(part, task.all.start, task.own.start);
         self.tasks(&task.children, below, &mut waiting)?;
         for s in task.own.clone() {
@@ -113,35 +125,44 @@ impl Factorization<'_> {
             waiting.push(update);
         }
         // The last supernode of a task is the root of all others in it.
-        Ok(waiting.pop().unwrap_or(Update { from: 0, entries: vec![], excess: vec![] }))
+        Ok(waiting.pop().unwrap_or(ContributionBlock {
+            from: 0,
+            entries: vec![],
+            row_excess: vec![],
+        }))
     }
 
-    fn front(&self, s: usize, part: Part<'_>, children: &[Update]) -> Result<Update, Stopped> {
+    fn front(
+        &self,
+        s: usize,
+        part: FactorSlices<'_>,
+        children: &[ContributionBlock],
+    ) -> Result<ContributionBlock, Stopped> {
         let pattern = self.pattern;
         let shape = pattern.shape(s);
-        let shared = shape.height() * shape.height() / 2 >= SHARED;
+        let parallel = shape.height() * shape.height() / 2 >= PARALLEL_FRONT_ENTRIES;
         let mut l = vec![0.0; shape.len()];
         let l = &mut l[..];
         self.assemble(s, l);
         let columns = pattern.first[s] as usize..pattern.first[s + 1] as usize;
-        let mut excess = vec![0.0; shape.height()];
-        excess[..shape.width].copy_from_slice(&self.excess[columns.clone()]);
+        let mut row_excess = vec![0.0; shape.height()];
+        row_excess[..shape.width].copy_from_slice(&self.row_excess[columns.clone()]);
         for child in children {
-            for (&row, e) in pattern.map_of(child.from).iter().zip(&child.excess) {
-                excess[row as usize] += e;
+            for (&row, e) in pattern.relative_indices(child.from).iter().zip(&child.row_excess) {
+                row_excess[row as usize] += e;
             }
         }
-        assemble::pivots(pattern, children, shape, l, shared);
+        extend_add::pivot_columns(pattern, children, shape, l, parallel);
         for panel in 0..shape.panels() {
-            eliminate(shape, panel, l, part.inverse, &mut excess, shared)
+            eliminate(shape, panel, l, part.inverse, &mut row_excess, parallel)
                 .map_err(|k| Stopped(columns.start + k))?;
         }
-        let mut entries = vec![0.0; Shape { width: shape.edge, edge: 0 }.len()];
-        complement(shape, l, &mut entries, shared);
-        assemble::rest(pattern, children, shape, &mut entries, shared);
-        shares::take(shape, l, self.plan.products, part, shared);
-        excess.drain(..shape.width);
-        Ok(Update { from: s, entries, excess })
+        let mut entries = vec![0.0; Shape { width: shape.border, border: 0 }.len()];
+        schur_complement(shape, l, &mut entries, parallel);
+        extend_add::schur_complement(pattern, children, shape, &mut entries, parallel);
+        packed::pack(shape, l, self.schedule.low_rank, part, parallel);
+        row_excess.drain(..shape.width);
+        Ok(ContributionBlock { from: s, entries, row_excess })
     }
 
     /// The entries of the matrix.
@@ -172,8 +193,8 @@ fn tiles_below(shape: Shape, panel: usize, mut below: &mut [f32]) -> Vec<Tile<'_
 }
 
 /// Does something with each tile, on all threads if that pays.
-fn each<T: Send>(items: Vec<T>, shared: bool, work: impl Fn(T) + Sync + Send) {
-    if shared && items.len() > 1 {
+fn each<T: Send>(items: Vec<T>, parallel: bool, work: impl Fn(T) + Sync + Send) {
+    if parallel && items.len() > 1 {
         items.into_par_iter().for_each(work);
     } else {
         items.into_iter().for_each(work);
@@ -186,8 +207,8 @@ fn eliminate(
     panel: usize,
     l: &mut [f32],
     inverse: &mut [f32],
-    excess: &mut [f32],
-    shared: bool,
+    row_excess: &mut [f32],
+    parallel: bool,
 ) -> Result<(), usize> {
     let first = panel * super::shape::TILE;
     let width = shape.panel_width(panel);
@@ -215,23 +236,23 @@ fn eliminate(
     if panel > 0 {
         let mut tiles = tiles_below(shape, panel, below);
         tiles.push((first, width, &mut *diagonal));
-        each(tiles, shared, |(row, rows, tile)| contributions(row, rows, tile));
+        each(tiles, parallel, |(row, rows, tile)| contributions(row, rows, tile));
     }
 
-    let mut rest = excess[first..first + width].to_vec();
+    let mut rest = row_excess[first..first + width].to_vec();
     for (_, rows, tile) in tiles_below(shape, panel, below) {
         dense::subtract_column_sums(tile, rows, &mut rest);
     }
     let inverse = &mut inverse[first..first + width];
     pivot::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
     let (triangle, inverse) = (&*diagonal, &*inverse);
-    each(tiles_below(shape, panel, below), shared, |(_, rows, tile)| {
+    each(tiles_below(shape, panel, below), parallel, |(_, rows, tile)| {
         dense::solve_right(tile, rows, triangle, width, inverse);
     });
-    pivot::invert_strips(diagonal, width);
+    pivot::invert_pivot_blocks(diagonal, width);
 
-    // The excess of a row grows by its part of those that it is relieved of.
-    let (own, later) = excess[first..].split_at_mut(width);
+    // The row excess of a row grows by its part of those that it is relieved of.
+    let (own, later) = row_excess[first..].split_at_mut(width);
     dense::solve_lower(own, diagonal);
     for (row, rows, tile) in tiles_below(shape, panel, below) {
         let at = row - first - width;
@@ -243,8 +264,8 @@ fn eliminate(
 /// What the eliminated columns subtract from the rest of the front, which is zero before.
 /// The first of them write and do not read: memory whose zeros are read before they are
 /// written to comes twice from the system, and the second time all threads wait.
-fn complement(shape: Shape, l: &[f32], entries: &mut [f32], shared: bool) {
-    let square = Shape { width: shape.edge, edge: 0 };
+fn schur_complement(shape: Shape, l: &[f32], entries: &mut [f32], parallel: bool) {
+    let square = Shape { width: shape.border, border: 0 };
     let mut rest = entries;
     let mut tiles = vec![];
     for column in 0..square.panels() {
@@ -260,7 +281,7 @@ fn complement(shape: Shape, l: &[f32], entries: &mut [f32], shared: bool) {
             tiles.push((tile, from, n, entries));
         }
     }
-    each(tiles, shared, |(rows, from, n, tile)| {
+    each(tiles, parallel, |(rows, from, n, tile)| {
         for panel in 0..shape.panels() {
             let start = shape.panel_start(panel);
             let k = shape.panel_width(panel);

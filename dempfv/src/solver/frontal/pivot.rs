@@ -1,32 +1,32 @@
-//! The triangle on a panel's diagonal: factored without cancellation, and the
-//! inverses that solves use.
+//! The triangle on a panel's diagonal: factored without cancellation (Grassmann, Taksar and Heyman
+//! 1985), and the inverses of its diagonal blocks that solves use.
 
 use super::dense::{Block, subtract_product, total};
 
 /// Columns whose triangle on the diagonal is kept as its inverse.
-pub const STRIP: usize = 32;
+pub const PIVOT_BLOCK: usize = 32;
 
-/// Replaces the triangles of strips on the diagonal of a packed lower triangle
+/// Replaces the triangles of pivot blocks on the diagonal of a packed lower triangle
 /// (w by w) by their inverses, and what is above the diagonal there by zero.
 /// What cannot cancel in the factor cannot in the inverses.
-pub fn invert_strips(t: &mut [f32], w: usize) {
-    pulp::Arch::new().dispatch(InvertStrips { t, w });
+pub fn invert_pivot_blocks(t: &mut [f32], w: usize) {
+    pulp::Arch::new().dispatch(InvertPivotBlocks { t, w });
 }
 
-struct InvertStrips<'a> {
+struct InvertPivotBlocks<'a> {
     t: &'a mut [f32],
     w: usize,
 }
 
-impl pulp::NullaryFnOnce for InvertStrips<'_> {
+impl pulp::NullaryFnOnce for InvertPivotBlocks<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let InvertStrips { t, w } = self;
-        for from in (0..w).step_by(STRIP) {
-            let size = STRIP.min(w - from);
-            let mut inverse = [[0.0f32; STRIP]; STRIP];
+        let InvertPivotBlocks { t, w } = self;
+        for from in (0..w).step_by(PIVOT_BLOCK) {
+            let size = PIVOT_BLOCK.min(w - from);
+            let mut inverse = [[0.0f32; PIVOT_BLOCK]; PIVOT_BLOCK];
             for (j, column) in inverse.iter_mut().enumerate().take(size) {
                 column[j] = 1.0;
                 for k in j..size {
@@ -50,7 +50,7 @@ impl pulp::NullaryFnOnce for InvertStrips<'_> {
 /// half and the diagonal on entry are not read).
 ///
 /// `rest` holds for each column what its row sums up to beyond the tile: the
-/// row's excess over its off-diagonal entries, and the sizes of the entries of
+/// row excess over its off-diagonal entries, and the sizes of the entries of
 /// the column below the tile. A pivot is the sum of sizes of what is left in its
 /// column, so that nothing is ever subtracted from anything of the same sign:
 /// each entry of the factor is right to nearly all its digits (Grassmann,
@@ -61,14 +61,14 @@ impl pulp::NullaryFnOnce for InvertStrips<'_> {
 pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> Result<(), usize> {
     let w = rest.len();
     assert!(t.len() >= w * w && inverse.len() == w);
-    for from in (0..w).step_by(STRIP) {
-        let to = (from + STRIP).min(w);
+    for from in (0..w).step_by(PIVOT_BLOCK) {
+        let to = (from + PIVOT_BLOCK).min(w);
         if from > 0 {
-            let (done, strip) = t.split_at_mut(from * w);
+            let (done, pivot_block) = t.split_at_mut(from * w);
             let height = w - from;
             let a = Block { data: &done[from..], rows: height, stride: w };
             let b = Block { data: &done[from..], rows: to - from, stride: w };
-            subtract_product(&mut strip[from..], w, a, b, from, 1.0);
+            subtract_product(&mut pivot_block[from..], w, a, b, from, 1.0);
             for k in 0..from {
                 let y = rest[k];
                 for (z, l) in rest[from..to].iter_mut().zip(&done[k * w + from..]) {
@@ -76,12 +76,12 @@ pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> 
                 }
             }
         }
-        pulp::Arch::new().dispatch(Strip { t, rest, inverse, from, to })?;
+        pulp::Arch::new().dispatch(FactorPivotBlock { t, rest, inverse, from, to })?;
     }
     Ok(())
 }
 
-struct Strip<'a> {
+struct FactorPivotBlock<'a> {
     t: &'a mut [f32],
     rest: &'a mut [f32],
     inverse: &'a mut [f32],
@@ -89,12 +89,12 @@ struct Strip<'a> {
     to: usize,
 }
 
-impl pulp::NullaryFnOnce for Strip<'_> {
+impl pulp::NullaryFnOnce for FactorPivotBlock<'_> {
     type Output = Result<(), usize>;
 
     #[inline(always)]
     fn call(self) -> Result<(), usize> {
-        let Strip { t, rest, inverse, from, to } = self;
+        let FactorPivotBlock { t, rest, inverse, from, to } = self;
         let w = rest.len();
         for k in from..to {
             let (done, later) = t.split_at_mut((k + 1) * w);

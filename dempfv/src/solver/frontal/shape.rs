@@ -1,19 +1,19 @@
 //! How the entries of a front lie in memory while it is factored.
 //!
-//! A front's lower trapezoid is cut into square tiles, each stored by columns,
-//! and the tiles follow each other panel by panel: what one task works on is
-//! one run of memory.
+//! A front's lower trapezoid is cut into square tiles, each stored by columns (the block layout of
+//! Gustavson 1997), and the tiles follow each other panel by panel: what one task works on is one run
+//! of memory.
 
 /// Rows and columns of a tile. Three of them fit into a core's second cache.
 pub const TILE: usize = 256;
 
-/// A lower trapezoid: `width` columns, and `width + edge` rows of which the
+/// A lower trapezoid: `width` columns, and `width + border` rows of which the
 /// first `width` belong to the same unknowns as the columns. Tiles do not
-/// cross from these rows into those of the edge.
+/// cross from these rows into those of the border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
     pub width: usize,
-    pub edge: usize,
+    pub border: usize,
 }
 
 /// A run of rows that share a tile.
@@ -25,7 +25,7 @@ pub struct Rows {
 
 impl Shape {
     pub fn height(self) -> usize {
-        self.width + self.edge
+        self.width + self.border
     }
 
     pub fn panels(self) -> usize {
@@ -72,14 +72,14 @@ impl Shape {
     pub fn below(self, panel: usize) -> impl Iterator<Item = Rows> + Clone {
         let pivots = panel + 1..self.panels();
         let pivots = pivots.map(move |q| Rows { start: q * TILE, len: self.panel_width(q) });
-        pivots.chain(self.edge_tiles())
+        pivots.chain(self.border_tiles())
     }
 
-    /// The tiles of the edge.
-    pub fn edge_tiles(self) -> impl Iterator<Item = Rows> + Clone {
-        (0..self.edge.div_ceil(TILE)).map(move |k| Rows {
+    /// The tiles of the border.
+    pub fn border_tiles(self) -> impl Iterator<Item = Rows> + Clone {
+        (0..self.border.div_ceil(TILE)).map(move |k| Rows {
             start: self.width + k * TILE,
-            len: TILE.min(self.edge - k * TILE),
+            len: TILE.min(self.border - k * TILE),
         })
     }
 
@@ -107,16 +107,16 @@ mod tests {
     /// tiles) has a place of its own, and no place is left over.
     #[test]
     fn places_are_a_permutation() {
-        for (width, edge) in [(1, 0), (3, 5), (256, 0), (257, 300), (700, 13), (512, 512)] {
-            let shape = Shape { width, edge };
+        for (width, border) in [(1, 0), (3, 5), (256, 0), (257, 300), (700, 13), (512, 512)] {
+            let shape = Shape { width, border };
             let mut seen = vec![false; shape.len()];
             for column in 0..width {
                 for row in column / TILE * TILE..shape.height() {
                     let at = &mut seen[shape.index(row, column)];
-                    assert!(!std::mem::replace(at, true), "{width} {edge}: {row}, {column}");
+                    assert!(!std::mem::replace(at, true), "{width} {border}: {row}, {column}");
                 }
             }
-            assert!(seen.iter().all(|&s| s), "{width} {edge}");
+            assert!(seen.iter().all(|&s| s), "{width} {border}");
         }
     }
 }

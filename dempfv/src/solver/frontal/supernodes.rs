@@ -1,22 +1,23 @@
-//! Which columns share a front.
+//! Which columns share a front: fundamental supernodes (Liu, Ng and Peyton 1993), amalgamated where
+//! the zeros that this adds cost less than a front (Duff and Reid 1983; Ashcraft and Grimes 1989).
 
-use crate::solver::tree::{self, NONE};
+use crate::solver::elimination_tree::{self as tree, NONE};
 
 /// A front costs as much time as so many entries, whatever it holds: no more
 /// zeros than this are a good price for one front less.
-const PRICE: usize = 130;
+const FRONT_OVERHEAD_ENTRIES: usize = 130;
 
 /// Larger fronts are merged where zeros are no more than this share.
-const SHARE: f64 = 0.04;
+const ZERO_FRACTION: f64 = 0.04;
 
 /// Groups of columns that are eliminated in one front.
 pub struct Supernodes {
     /// First column of each, in the new order, and the number of columns.
     pub first: Vec<u32>,
     /// Parent of each; [`NONE`] at a root.
-    pub above: Vec<u32>,
+    pub parent: Vec<u32>,
     /// Rows of each front below its columns.
-    pub edge: Vec<u32>,
+    pub border: Vec<u32>,
     /// The columns in their new order: a supernode's are made to follow each
     /// other.
     pub columns: Vec<u32>,
@@ -26,22 +27,22 @@ pub struct Supernodes {
 #[derive(Clone, Copy)]
 struct Group {
     width: usize,
-    edge: usize,
+    border: usize,
     zeros: usize,
 }
 
 impl Group {
     /// Entries of the lower trapezoid.
     fn entries(self) -> usize {
-        self.width * (self.width + 1) / 2 + self.width * self.edge
+        self.width * (self.width + 1) / 2 + self.width * self.border
     }
 
     /// The group that a child forms with this one.
     fn with(self, child: Group) -> Group {
-        let zeros = child.width * (self.width + self.edge - child.edge);
+        let zeros = child.width * (self.width + self.border - child.border);
         Group {
             width: self.width + child.width,
-            edge: self.edge,
+            border: self.border,
             zeros: self.zeros + child.zeros + zeros,
         }
     }
@@ -62,7 +63,7 @@ impl Supernodes {
         for s in 0..count {
             owner[first[s]..first[s + 1]].fill(s as u32);
         }
-        let above: Vec<u32> = (0..count)
+        let parent: Vec<u32> = (0..count)
             .map(|s| match parent[first[s + 1] - 1] {
                 NONE => NONE,
                 column => owner[column as usize],
@@ -71,41 +72,43 @@ impl Supernodes {
         let mut groups: Vec<Group> = (0..count)
             .map(|s| Group {
                 width: first[s + 1] - first[s],
-                edge: counts[first[s + 1] - 1] as usize - 1,
+                border: counts[first[s + 1] - 1] as usize - 1,
                 zeros: 0,
             })
             .collect();
-        let into = merge(&above, &mut groups);
-        collect(&first, &above, &groups, &into)
+        let into = merge(&parent, &mut groups);
+        collect(&first, &parent, &groups, &into)
     }
 }
 
 /// Merges supernodes with their parents, children first; returns the supernode
 /// that each one goes into, itself if it stays.
-fn merge(above: &[u32], groups: &mut [Group]) -> Vec<u32> {
-    let children = tree::children(above);
-    let mut into: Vec<u32> = (0..above.len() as u32).collect();
+fn merge(parent: &[u32], groups: &mut [Group]) -> Vec<u32> {
+    let children = tree::children(parent);
+    let mut into: Vec<u32> = (0..parent.len() as u32).collect();
     let mut candidates: Vec<u32> = vec![];
-    for p in 0..above.len() {
+    for p in 0..parent.len() {
         candidates.clear();
         candidates.extend(children.of(p));
         // Those that lack least of the parent's rows first.
         candidates.sort_by_key(|&c| {
             let c = groups[c as usize];
-            c.width * (groups[p].width + groups[p].edge - c.edge)
+            c.width * (groups[p].width + groups[p].border - c.border)
         });
         for &c in &candidates {
             let (parent, child) = (groups[p], groups[c as usize]);
             let merged = parent.with(child);
             let added = merged.zeros - parent.zeros - child.zeros;
-            if added <= PRICE || merged.zeros as f64 <= SHARE * merged.entries() as f64 {
+            if added <= FRONT_OVERHEAD_ENTRIES
+                || merged.zeros as f64 <= ZERO_FRACTION * merged.entries() as f64
+            {
                 groups[p] = merged;
                 into[c as usize] = p as u32;
             }
         }
     }
     // Members of members: parents come later.
-    for s in (0..above.len()).rev() {
+    for s in (0..parent.len()).rev() {
         into[s] = into[into[s] as usize];
     }
     into
@@ -113,18 +116,18 @@ fn merge(above: &[u32], groups: &mut [Group]) -> Vec<u32> {
 
 /// Numbers the groups by their last members, which keeps children before
 /// parents and each subtree together.
-fn collect(first: &[usize], above: &[u32], groups: &[Group], into: &[u32]) -> Supernodes {
-    let count = above.len();
+fn collect(first: &[usize], parent: &[u32], groups: &[Group], into: &[u32]) -> Supernodes {
+    let count = parent.len();
     let mut number = vec![NONE; count];
-    let mut out = Supernodes { first: vec![0], above: vec![], edge: vec![], columns: vec![] };
+    let mut out = Supernodes { first: vec![0], parent: vec![], border: vec![], columns: vec![] };
     for s in (0..count).filter(|&s| into[s] as usize == s) {
-        number[s] = out.edge.len() as u32;
-        out.edge.push(groups[s].edge as u32);
+        number[s] = out.border.len() as u32;
+        out.border.push(groups[s].border as u32);
         out.first.push(out.first[out.first.len() - 1] + groups[s].width as u32);
     }
-    out.above = (0..count)
+    out.parent = (0..count)
         .filter(|&s| into[s] as usize == s)
-        .map(|s| match above[s] {
+        .map(|s| match parent[s] {
             NONE => NONE,
             p => number[into[p as usize] as usize],
         })

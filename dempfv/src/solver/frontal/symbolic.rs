@@ -1,11 +1,13 @@
-//! Supernodes, the rows of their fronts, and where everything goes.
+//! The symbolic factorization: supernodes, the row structure of their fronts and the relative indices
+//! of these in their parents' (George and Liu 1981; Liu 1992), and where each entry of the matrix
+//! goes.
 
 use rayon::prelude::*;
 
 use super::shape::Shape;
 use super::supernodes::Supernodes;
 use crate::solver::SymmetricCsc;
-use crate::solver::tree::{self, Lists, NONE};
+use crate::solver::elimination_tree::{self as tree, Lists, NONE};
 
 /// The pattern of the factor, and the plan of the factorization.
 pub struct Pattern {
@@ -21,14 +23,14 @@ pub struct Pattern {
     /// Children of each supernode.
     pub children: Lists,
     /// Rows of each supernode's front below its own columns.
-    pub rows: Fronts,
+    pub rows: FrontRows,
     /// The same as rows of the parent's front.
     pub map: Vec<u32>,
     /// Where the entries of each supernode start in the factor, and their number.
     pub start: Vec<usize>,
     /// Entries of the matrix in each supernode: which one, and where it goes
     /// within the supernode.
-    pub entries: Entries,
+    pub entries: MatrixEntries,
     /// Entries of the factor without the zeros of supernodes.
     pub nnz_l: u64,
     /// Operations of a factorization without those zeros.
@@ -36,13 +38,13 @@ pub struct Pattern {
 }
 
 /// Lists of rows by supernode.
-pub struct Fronts {
+pub struct FrontRows {
     pub start: Vec<usize>,
     pub items: Vec<u32>,
 }
 
 /// Entries of the matrix by supernode.
-pub struct Entries {
+pub struct MatrixEntries {
     /// By column, from which the supernodes' follow.
     pub column_start: Vec<u32>,
     pub source: Vec<u32>,
@@ -63,7 +65,8 @@ impl Pattern {
         let counts = tree::counts(&tree::columns(a, &place).0, &parent);
         let nnz_l = counts.iter().map(|&c| u64::from(c)).sum();
         let flops = counts.iter().map(|&c| f64::from(c) * f64::from(c)).sum();
-        let Supernodes { first, above, edge, columns } = Supernodes::new(&parent, &counts);
+        let Supernodes { first, parent: above, border, columns } =
+            Supernodes::new(&parent, &counts);
         let order: Vec<u32> = columns.iter().map(|&k| order[k as usize]).collect();
         let place = inverse(&order);
         let count = above.len();
@@ -72,10 +75,10 @@ impl Pattern {
             owner[first[s] as usize..first[s + 1] as usize].fill(s as u32);
         }
         let (columns, source) = tree::columns(a, &place);
-        let rows = front_rows(&tree::rows(a, &place), &edge, &above, &owner);
+        let rows = front_rows(&tree::rows(a, &place), &border, &above, &owner);
         let shape = |s: usize| Shape {
             width: (first[s + 1] - first[s]) as usize,
-            edge: rows.start[s + 1] - rows.start[s],
+            border: rows.start[s + 1] - rows.start[s],
         };
         let mut start = vec![0; count + 1];
         for s in 0..count {
@@ -83,7 +86,7 @@ impl Pattern {
         }
         let target = targets(&columns, &first, &owner, &rows, &shape);
         let map = parent_rows(&first, &above, &rows);
-        let entries = Entries { column_start: columns.start, source, target };
+        let entries = MatrixEntries { column_start: columns.start, source, target };
         let children = tree::children(&above);
         Pattern {
             n,
@@ -109,12 +112,12 @@ impl Pattern {
     pub fn shape(&self, s: usize) -> Shape {
         Shape {
             width: (self.first[s + 1] - self.first[s]) as usize,
-            edge: self.rows.start[s + 1] - self.rows.start[s],
+            border: self.rows.start[s + 1] - self.rows.start[s],
         }
     }
 
-    /// Rows of the parent's front that a supernode's edge goes to.
-    pub fn map_of(&self, s: usize) -> &[u32] {
+    /// Rows of the parent's front that a supernode's border goes to.
+    pub fn relative_indices(&self, s: usize) -> &[u32] {
         &self.map[self.rows.start[s]..self.rows.start[s + 1]]
     }
 
@@ -151,11 +154,11 @@ fn relabelled(parent: &[u32], post: &[u32]) -> Vec<u32> {
 
 /// The rows of each front below its columns, ascending: row by row, each climbs
 /// from the columns that have it in the matrix.
-fn front_rows(matrix_rows: &Lists, edge: &[u32], above: &[u32], owner: &[u32]) -> Fronts {
+fn front_rows(matrix_rows: &Lists, border: &[u32], above: &[u32], owner: &[u32]) -> FrontRows {
     let supernodes = above.len();
     let mut start = vec![0usize; supernodes + 1];
     for s in 0..supernodes {
-        start[s + 1] = start[s] + edge[s] as usize;
+        start[s + 1] = start[s] + border[s] as usize;
     }
     let mut next = start.clone();
     let mut items = vec![0u32; start[supernodes]];
@@ -172,7 +175,7 @@ fn front_rows(matrix_rows: &Lists, edge: &[u32], above: &[u32], owner: &[u32]) -
             }
         }
     }
-    Fronts { start, items }
+    FrontRows { start, items }
 }
 
 /// Where each entry of the matrix goes within its supernode.
@@ -180,7 +183,7 @@ fn targets(
     columns: &Lists,
     first: &[u32],
     owner: &[u32],
-    rows: &Fronts,
+    rows: &FrontRows,
     shape: &(impl Fn(usize) -> Shape + Sync),
 ) -> Vec<u32> {
     let mut target = vec![0u32; columns.items.len()];
@@ -194,14 +197,14 @@ fn targets(
     }
     parts.par_iter_mut().with_min_len(256).enumerate().for_each(|(s, part)| {
         let shape = shape(s);
-        let edge = &rows.items[rows.start[s]..rows.start[s + 1]];
+        let border = &rows.items[rows.start[s]..rows.start[s + 1]];
         let mut out = part.iter_mut();
         for column in first[s]..first[s + 1] {
             for &row in columns.of(column as usize) {
                 let local = if owner[row as usize] as usize == s {
                     (row - first[s]) as usize
                 } else {
-                    shape.width + edge.partition_point(|&r| r < row)
+                    shape.width + border.partition_point(|&r| r < row)
                 };
                 if let Some(target) = out.next() {
                     *target = shape.index(local, (column - first[s]) as usize) as u32;
@@ -213,7 +216,7 @@ fn targets(
 }
 
 /// Where the rows of each front lie in its parent's front.
-fn parent_rows(first: &[u32], above: &[u32], rows: &Fronts) -> Vec<u32> {
+fn parent_rows(first: &[u32], above: &[u32], rows: &FrontRows) -> Vec<u32> {
     let mut map = vec![0u32; rows.items.len()];
     let mut parts = Vec::with_capacity(above.len());
     let mut rest = map.as_mut_slice();
@@ -228,13 +231,13 @@ fn parent_rows(first: &[u32], above: &[u32], rows: &Fronts) -> Vec<u32> {
         }
         let p = above[s] as usize;
         let width = first[p + 1] - first[p];
-        let edge = &rows.items[rows.start[p]..rows.start[p + 1]];
+        let border = &rows.items[rows.start[p]..rows.start[p + 1]];
         let mut k = 0;
         for (at, &row) in part.iter_mut().zip(&rows.items[rows.start[s]..rows.start[s + 1]]) {
             *at = if row < first[p + 1] {
                 row - first[p]
             } else {
-                while edge[k] != row {
+                while border[k] != row {
                     k += 1;
                 }
                 width + k as u32

@@ -2,14 +2,14 @@
 
 /// The band holds this times n^(-1/3) of the vertices: some layers, however
 /// large the part.
-const BAND: f64 = 5.0;
+const BAND_LAYERS: f64 = 5.0;
 /// It never holds more than this.
-const WIDEST: f64 = 0.45;
+const MAX_BAND_FRACTION: f64 = 0.45;
 
 /// At most so many points stand for all when the axis and its range are chosen.
-const SAMPLE: usize = 128;
+const SAMPLE_POINTS: usize = 128;
 /// Parts of the range in which vertices are counted.
-const BINS: usize = 1024;
+const HISTOGRAM_BINS: usize = 1024;
 
 /// A way to sort the vertices: by a coordinate, or by any other key.
 pub(super) struct Range {
@@ -37,18 +37,18 @@ pub(super) fn axis(points: &[[f32; 3]], vertices: &[u32]) -> Option<(usize, Rang
 /// of a bin. `counts` is any array.
 pub(super) fn planes(keys: &[f32], range: &Range, counts: &mut Vec<u32>) -> (f32, f32) {
     let &Range { low, high } = range;
-    let scale = BINS as f32 / (high - low);
+    let scale = HISTOGRAM_BINS as f32 / (high - low);
     counts.clear();
-    counts.resize(BINS, 0);
+    counts.resize(HISTOGRAM_BINS, 0);
     for &x in keys {
         // The conversion saturates: what lies outside counts at the ends.
-        counts[(((x - low) * scale) as usize).min(BINS - 1)] += 1;
+        counts[(((x - low) * scale) as usize).min(HISTOGRAM_BINS - 1)] += 1;
     }
     let n = keys.len();
-    let share = (BAND * (n as f64).powf(-1.0 / 3.0)).min(WIDEST);
+    let share = (BAND_LAYERS * (n as f64).powf(-1.0 / 3.0)).min(MAX_BAND_FRACTION);
     let outside = (n as f64 * (0.5 - 0.5 * share)) as u32;
     let mut sum = 0;
-    let (mut first, mut last) = (0, BINS);
+    let (mut first, mut last) = (0, HISTOGRAM_BINS);
     for (bin, &count) in counts.iter().enumerate() {
         if sum <= outside {
             first = bin;
@@ -63,9 +63,9 @@ pub(super) fn planes(keys: &[f32], range: &Range, counts: &mut Vec<u32>) -> (f32
 }
 
 /// Some of the values, sorted, and how many: at least one.
-fn sample(n: usize, value: impl Fn(usize) -> f32) -> ([f32; SAMPLE], usize) {
-    let count = (n / 16).clamp(16, SAMPLE).min(n.max(1));
-    let mut sample = [0.0; SAMPLE];
+fn sample(n: usize, value: impl Fn(usize) -> f32) -> ([f32; SAMPLE_POINTS], usize) {
+    let count = (n / 16).clamp(16, SAMPLE_POINTS).min(n.max(1));
+    let mut sample = [0.0; SAMPLE_POINTS];
     for (k, x) in sample[..count].iter_mut().enumerate() {
         *x = value(k * n / count);
     }

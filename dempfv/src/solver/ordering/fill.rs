@@ -1,20 +1,25 @@
 //! What an ordering fills in.
 
-use super::super::SymmetricCsc;
-use super::super::tree::{self, NONE};
+use super::super::elimination_tree::{self as tree, NONE};
+use super::super::{SolverError, SymmetricCsc, require_size};
 
 /// Entries of the factor L of a matrix whose unknowns are eliminated in an order, the
 /// diagonal included. Rows are followed along the elimination tree (Liu 1990): the time
 /// is proportional to the result.
 ///
-/// # Panics
-/// If the matrix is malformed, or the order is no permutation of its unknowns.
-pub fn factor_entries(a: &SymmetricCsc, permutation: &[i64]) -> u64 {
-    assert_eq!(permutation.len(), a.n, "the order must have one entry per unknown");
+/// # Errors
+/// The matrix is malformed ([`SymmetricCsc::validate`]; its values do not matter), or the
+/// order is no permutation of its unknowns.
+pub fn factor_entries(a: &SymmetricCsc, permutation: &[i64]) -> Result<u64, SolverError> {
+    a.validate_pattern()?;
+    require_size("the order of elimination", a.n, permutation.len())?;
     let mut place = vec![NONE; a.n];
-    for (k, &v) in (0..).zip(permutation) {
-        assert_eq!(place[v as usize], NONE, "unknown {v} must come once");
-        place[v as usize] = k;
+    for (k, &unknown) in permutation.iter().enumerate() {
+        let free = usize::try_from(unknown).ok().and_then(|v| place.get_mut(v));
+        match free {
+            Some(place) if *place == NONE => *place = k as u32,
+            _ => return Err(SolverError::NoPermutation { place: k, unknown }),
+        }
     }
     let rows = tree::rows(a, &place);
     let mut parent = vec![NONE; a.n];
@@ -34,5 +39,5 @@ pub fn factor_entries(a: &SymmetricCsc, permutation: &[i64]) -> u64 {
             }
         }
     }
-    count
+    Ok(count)
 }

@@ -1,0 +1,77 @@
+//! What may be changed of the mechanics between two steps.
+
+use super::coupled::Coupled;
+use super::error::Result;
+use crate::dem::{Dem, WallControl};
+use crate::{Vec3, WallId};
+
+/// The mechanics, as far as they may be changed between two steps while a
+/// network is in use: spheres keep their places, radii and order. From
+/// [`Coupled::controls`].
+pub struct Controls<'a> {
+    coupled: &'a mut Coupled,
+}
+
+impl Coupled {
+    /// Changes the mechanics between two steps.
+    ///
+    /// ```
+    /// use dempfv::coupling::Coupled;
+    /// use dempfv::dem::{Dem, DemOptions, Material, Particles, WallControl, WallMaterial};
+    /// use dempfv::{Aabb, Vec3, WallId};
+    ///
+    /// let material =
+    ///     Material { young: 1e6, stiffness_ratio: 0.5, friction_angle: 0.5, density: 2600.0 };
+    /// let sphere = Particles::new(vec![Vec3::repeat(0.5)], vec![0.4], material.density);
+    /// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
+    /// let walls = WallMaterial { young: 1e6, friction_angle: 0.0 };
+    /// let dem = Dem::new(sphere, bounds, material, walls, DemOptions::default())?;
+    /// let mut coupled = Coupled::new(dem);
+    /// coupled.controls().set_control(WallId::YMax, WallControl::Velocity(-0.1))?;
+    /// coupled.step(1e-3)?;
+    /// assert_eq!(coupled.dem().box_().size().y, 1.0 - 1e-4);
+    /// # Ok::<(), dempfv::coupling::CouplingError>(())
+    /// ```
+    pub fn controls(&mut self) -> Controls<'_> {
+        Controls { coupled: self }
+    }
+}
+
+impl Controls<'_> {
+    /// The mechanics, to be looked at.
+    pub fn dem(&self) -> &Dem {
+        &self.coupled.dem
+    }
+
+    /// Tells a wall what moves it from now on.
+    ///
+    /// # Errors
+    /// As [`Dem::set_control`].
+    pub fn set_control(&mut self, wall: WallId, control: WallControl) -> Result<()> {
+        Ok(self.coupled.dem.set_control(wall, control)?)
+    }
+
+    /// Changes the friction angle between spheres (rad). An automatic time step
+    /// is looked at anew.
+    ///
+    /// # Errors
+    /// As [`Dem::set_friction`].
+    pub fn set_friction(&mut self, angle: f64) -> Result<()> {
+        self.coupled.auto_time_step.refresh();
+        Ok(self.coupled.dem.set_friction(angle)?)
+    }
+
+    /// Changes the local damping (1). An automatic time step is looked at anew.
+    ///
+    /// # Errors
+    /// As [`Dem::set_damping`].
+    pub fn set_damping(&mut self, damping: f64) -> Result<()> {
+        self.coupled.auto_time_step.refresh();
+        Ok(self.coupled.dem.set_damping(damping)?)
+    }
+
+    /// Velocities (m/s) and spins (rad/s), in storage order.
+    pub fn velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
+        self.coupled.dem.velocities_mut()
+    }
+}

@@ -1,0 +1,62 @@
+//! What must be kept of a network to build it again and go on with the same
+//! bits.
+
+use serde::{Deserialize, Serialize};
+
+use super::viscous_bound::FastestMode;
+use crate::dem::Dem;
+use crate::pfv::Extrapolation;
+use crate::{Aabb, Vec3};
+
+/// The positions that a network is built from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Snapshot {
+    /// Sphere centres (m).
+    pub position: Vec<Vec3>,
+    /// The box (m).
+    pub bounds: Aabb,
+    /// Steps done before.
+    pub step: u64,
+}
+
+impl Snapshot {
+    pub fn of(dem: &Dem, step: u64) -> Snapshot {
+        Snapshot { position: dem.particles().position.clone(), bounds: dem.box_(), step }
+    }
+}
+
+/// A network as its last step left it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct FluidState {
+    /// What the network in use was built from.
+    pub snapshot: Snapshot,
+    /// Where its spheres and walls were in the last step, if it follows them.
+    pub followed: Option<Followed>,
+    /// Steps since it came into use, or since a remesh failed.
+    pub since: u64,
+    /// Change of each pore's volume since the snapshot (m³); empty without the
+    /// strain rule.
+    pub volume_change: Vec<f64>,
+    /// Rate at which each pore grew in the last step (m³/s).
+    pub volume_rate: Vec<f64>,
+    /// The fluid's resistance to each wall that a servo held (N·s/m), once it
+    /// is known for this network.
+    pub resistance: [Option<f64>; 6],
+    /// The network cannot follow the spheres any further.
+    pub exhausted: bool,
+    /// The pressures that the next solve goes on from.
+    pub extrapolation: Extrapolation,
+    /// What the next network is being built from.
+    pub pending: Option<Snapshot>,
+    /// What bounds the automatic time step, as far as it is known.
+    pub fastest: FastestMode,
+}
+
+/// Where a network has followed its spheres to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Followed {
+    /// Sphere centres (m).
+    pub position: Vec<Vec3>,
+    /// The box (m).
+    pub bounds: Aabb,
+}

@@ -1,0 +1,49 @@
+//! The forces of the last contact pass, so that what is observed after a restart
+//! is what was observed before.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::DemError;
+use super::pass::WallSum;
+use super::system::Dem;
+use crate::Vec3;
+
+/// What the last [`Dem::compute_contacts`] found. The next one does without.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ContactForces {
+    /// Force on each sphere (N).
+    force: Vec<Vec3>,
+    /// Torque on each sphere (N m).
+    torque: Vec<Vec3>,
+    /// Force on each wall (N), and normal stiffness of its contacts (N/m).
+    walls: [(Vec3, f64); 6],
+}
+
+impl Dem {
+    /// The forces of the last [`Dem::compute_contacts`].
+    pub(crate) fn contact_forces(&self) -> ContactForces {
+        ContactForces {
+            force: self.forces.force.clone(),
+            torque: self.forces.torque.clone(),
+            walls: self.wall_sums.map(|sum| (sum.force, sum.stiffness)),
+        }
+    }
+
+    /// Takes these forces for those of the last [`Dem::compute_contacts`].
+    ///
+    /// # Errors
+    /// [`DemError::Length`] for forces of another number of spheres.
+    pub(crate) fn set_contact_forces(&mut self, forces: ContactForces) -> Result<(), DemError> {
+        let ContactForces { force, torque, walls } = forces;
+        let expected = self.particles.len();
+        for (what, found) in [("contact force", force.len()), ("contact torque", torque.len())] {
+            if found != expected {
+                return Err(DemError::Length { what, found, expected });
+            }
+        }
+        self.forces.force = force;
+        self.forces.torque = torque;
+        self.wall_sums = walls.map(|(force, stiffness)| WallSum { force, stiffness });
+        Ok(())
+    }
+}

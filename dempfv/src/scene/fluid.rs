@@ -1,0 +1,296 @@
+//! `[fluid]`: the fluid in the pores, and how its flow is computed.
+
+use serde::Serialize;
+
+use super::keys::{Keyed, Keys};
+use super::kind::{Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::schema::Schema;
+use super::table::{Bound, Table, Value};
+use super::wrong::Wrong;
+use crate::coupling::{Acceleration, OnFailure, RemeshMode, RemeshRule, Saturation, Swap, Update};
+use crate::domain::WallId;
+use crate::input::InputError;
+use crate::pfv::{self, Boundary, Clamp};
+use crate::solver::SolverKind;
+
+type Result<T> = std::result::Result<T, InputError>;
+
+pub(super) static SCHEMA: Schema = Schema::table(
+    "[fluid]",
+    &[
+        "viscosity",
+        "remesh_interval",
+        "remesh_strain",
+        "remesh",
+        "swap",
+        "on_failure",
+        "update",
+        "parallel_tasks",
+        "slip_walls",
+        "clamp",
+        "solver",
+        "tolerance",
+        "gpu_device",
+        "gpu_memory",
+        "pressure",
+        "no_flow",
+    ],
+);
+pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
+
+/// The fluid and how its flow is computed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fluid {
+    /// What it is, and what it meets at the walls. Default: water (1e-3 Pa·s) that slips along
+    /// the walls, without bounds on conductances, no pressure imposed.
+    #[serde(flatten)]
+    pub fluid: pfv::Fluid,
+    /// When networks are built anew. Default: every 200 steps.
+    pub remesh: RemeshRule,
+    /// How they are renewed while the spheres move on. Default: plainly.
+    pub acceleration: Acceleration,
+    /// Linear solver. Default: by the number of unknowns.
+    pub solver: SolverKind,
+    /// What a solve may leave: of the imbalance of fluid mass, and of the estimated error of the
+    /// pressures (1). Default 1e-11.
+    pub tolerance: f64,
+}
+
+impl Default for Fluid {
+    fn default() -> Fluid {
+        Fluid {
+            fluid: pfv::Fluid {
+                viscosity: 1e-3,
+                slip_walls: true,
+                clamp: Clamp::None,
+                boundary: Boundary::default(),
+            },
+            remesh: RemeshRule { interval: Some(200), strain: None },
+            acceleration: Acceleration::default(),
+            solver: SolverKind::default(),
+            tolerance: 1e-11,
+        }
+    }
+}
+
+impl Fluid {
+    /// Walls with an imposed pressure (Pa), in the order of their indices.
+    pub fn pressure_walls(&self) -> impl Iterator<Item = (WallId, f64)> + '_ {
+        WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w]?)))
+    }
+
+    /// What fills the pores of a coupled stage.
+    pub fn saturation(&self) -> Saturation {
+        Saturation { fluid: self.fluid, solver: self.solver, remesh: self.remesh }
+    }
+}
+
+impl Keyed for Fluid {
+    fn schema(&self) -> &'static Schema {
+        &SCHEMA
+    }
+
+    fn keys(&mut self, keys: &mut Keys) -> Result<()> {
+        let Fluid { fluid, remesh, acceleration, .. } = self;
+        keys.need_number("viscosity", number("Pa·s", Bound::Positive), &mut fluid.viscosity)?;
+        keys.take("remesh_strain", &Maybe(number("", Bound::Positive)), &mut remesh.strain)?;
+        interval(keys, remesh, acceleration)?;
+        networks(keys, acceleration)?;
+        keys.take("slip_walls", &Flag, &mut fluid.slip_walls)?;
+        keys.take("clamp", &OneOf(&Clamp::ALL.map(|c| (c.name(), c))), &mut fluid.clamp)?;
+        solver(keys, &mut self.solver)?;
+        keys.take("tolerance", &number("", Bound::Positive), &mut self.tolerance)?;
+        let imposed = Maybe(number("Pa", Bound::Finite));
+        keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure.0)?;
+        match keys {
+            Keys::Read(table) => check_no_flow(table, &fluid.boundary),
+            Keys::Check(_) | Keys::Write(_) => Ok(()),
+        }
+    }
+}
+
+/// When networks are built anew. The strain has been looked at.
+fn interval(keys: &mut Keys, remesh: &mut RemeshRule, how: &mut Acceleration) -> Result<()> {
+    if let Keys::Read(table) = keys
+        && remesh.strain.is_some()
+        && table.get("remesh_interval").is_none()
+    {
+        remesh.interval = None;
+    }
+    let mut interval = match remesh.interval {
+        _ if how.auto_interval => Interval::Auto,
+        Some(steps) => Interval::Steps(steps),
+        None => Interval::Never,
+    };
+    keys.take("remesh_interval", &Intervals, &mut interval)?;
+    how.auto_interval = interval == Interval::Auto;
+    remesh.interval = if let Interval::Steps(steps) = interval { Some(steps) } else { None };
+    let never = interval == Interval::Never && remesh.strain.is_none();
+    let wrong = || {
+        Wrong::new("is none, and there is no `remesh_strain`", "give one of the two, or \"auto\"")
+    };
+    keys.rule("remesh_interval", never.then(wrong))
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Interval {
+    Auto,
+    Steps(u64),
+    Never,
+}
+
+struct Intervals;
+
+impl Kind<Interval> for Intervals {
+    fn read(&self, value: &Value) -> Result<Interval> {
+        match value.is_text() {
+            true => value.choice(&[("auto", Interval::Auto)]),
+            false => value.count(1).map(Interval::Steps),
+        }
+    }
+
+    fn wrong(&self, interval: &Interval) -> Option<Wrong> {
+        match interval {
+            Interval::Steps(steps) => Count(1).wrong(steps),
+            Interval::Auto | Interval::Never => None,
+        }
+    }
+
+    fn write(&self, interval: &Interval) -> Option<String> {
+        match interval {
+            Interval::Auto => Some(quoted("auto")),
+            Interval::Steps(steps) => Some(steps.to_string()),
+            Interval::Never => None,
+        }
+    }
+}
+
+/// How networks are renewed; what the mode has no use for is an error.
+fn networks(keys: &mut Keys, how: &mut Acceleration) -> Result<()> {
+    keys.take("remesh", &OneOf(&RemeshMode::ALL.map(|m| (m.name(), m))), &mut how.remesh)?;
+    let background = how.remesh == RemeshMode::Background;
+    let auto = how.auto_interval && !background;
+    keys.rule(
+        "remesh_interval",
+        auto.then(|| {
+            Wrong::new(
+                "is \"auto\", which balances the time loop against a background that is not there",
+                "add `remesh = \"background\"`, or give a number of steps",
+            )
+        }),
+    )?;
+    keys.take("swap", &OneOf(&Swap::ALL.map(|s| (s.name(), s))), &mut how.swap)?;
+    let early = how.swap == Swap::WhenReady && !background;
+    keys.rule(
+        "swap",
+        early.then(|| {
+            Wrong::new(
+                "is \"when ready\", but nothing is built in the background",
+                "add `remesh = \"background\"`",
+            )
+        }),
+    )?;
+    let failures = OnFailure::ALL.map(|f| (f.name(), f));
+    keys.take("on_failure", &OneOf(&failures), &mut how.on_failure)?;
+    let retry = how.on_failure == OnFailure::Retry && how.remesh == RemeshMode::AtOnce;
+    keys.rule(
+        "on_failure",
+        retry.then(|| {
+            Wrong::new(
+                "is \"retry\", but a remesh at once has no old network left to go on with",
+                "add `remesh = \"ahead\"` or `remesh = \"background\"`",
+            )
+        }),
+    )?;
+    keys.take("update", &OneOf(&Update::ALL.map(|u| (u.name(), u))), &mut how.update)?;
+    keys.take("parallel_tasks", &Flag, &mut how.parallel_tasks)
+}
+
+/// The solver, and what only one of them uses.
+fn solver(keys: &mut Keys, solver: &mut SolverKind) -> Result<()> {
+    if let Keys::Write(_) = keys {
+        keys.push(("solver", quoted(solver.name())));
+    } else {
+        let choices: Vec<_> = SolverKind::CHOICES.iter().map(|s| (s.name(), *s)).collect();
+        keys.take("solver", &OneOf(&choices), solver)?;
+    }
+    if let SolverKind::CholmodGpu(options) = solver {
+        keys.take("gpu_device", &Count(0), &mut options.device)?;
+        return keys.take("gpu_memory", &Maybe(Bytes), &mut options.memory);
+    }
+    let Keys::Read(table) = keys else { return Ok(()) };
+    match table.get("gpu_device").or_else(|| table.get("gpu_memory")) {
+        Some(value) => {
+            Err(value
+                .error("is given, but the solver uses no GPU", "add `solver = \"cholmod-gpu\"`"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A size in bytes, which may be given with an exponent.
+struct Bytes;
+
+impl Kind<u64> for Bytes {
+    fn read(&self, value: &Value) -> Result<u64> {
+        Ok(value.number("bytes", Bound::Positive)? as u64)
+    }
+
+    fn wrong(&self, bytes: &u64) -> Option<Wrong> {
+        Count(1).wrong(bytes)
+    }
+
+    fn write(&self, bytes: &u64) -> Option<String> {
+        Some(bytes.to_string())
+    }
+}
+
+/// A wall with an imposed pressure must not be in `no_flow` too.
+fn check_no_flow(table: &Table, boundary: &Boundary) -> Result<()> {
+    let Some(value) = table.get("no_flow") else { return Ok(()) };
+    for item in value.items("an array of wall names, as in [\"x_min\", \"x_max\"]")? {
+        let wall = item.wall()?;
+        if boundary.pressure[wall].is_some() {
+            return Err(item.error(
+                &format!("names {wall}, which has two conditions: a pressure and no flow"),
+                format!("take {wall} out of `pressure` or out of `no_flow`"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Fluid {
+    /// An incompressible fluid whose pressure is imposed nowhere has a singular system: what is
+    /// wrong where a stage of this name couples it.
+    pub(super) fn undetermined_in(&self, stage: &str) -> Option<Wrong> {
+        if self.pressure_walls().next().is_some() {
+            return None;
+        }
+        Some(Wrong::new(
+            format!(
+                "has no wall with imposed pressure and no storage: pressures in stage \"{stage}\" \
+                 are undetermined"
+            ),
+            "add `pressure = { y_max = 0.0 }` (Pa) for at least one wall",
+        ))
+    }
+
+    /// Effects of this table: `flow` is the fluid where some stage has flow, `coupled` where a
+    /// stage couples it to spheres that move.
+    pub(super) fn effects(
+        flow: Option<&Fluid>,
+        coupled: Option<&Fluid>,
+    ) -> [(&'static str, bool); 7] {
+        let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
+        [
+            ("pore flow", flow.is_some()),
+            ("fluid forces on spheres", coupled.is_some()),
+            ("wall slip", is(flow, |f| f.fluid.slip_walls)),
+            ("conductance clamp", is(flow, |f| f.fluid.clamp != Clamp::None)),
+            ("background remesh", is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
+            ("network at every step", is(coupled, |f| f.acceleration.update == Update::EveryStep)),
+            ("parallel tasks", is(coupled, |f| f.acceleration.parallel_tasks)),
+        ]
+    }
+}

@@ -1,0 +1,221 @@
+//! TOML text to [`Plan`], and back.
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use super::dem::{self, Dem};
+use super::fluid::{self, Fluid};
+use super::keys::{Keyed, Keys};
+use super::kind::{Count, Kind, Vector, quoted};
+use super::output::{self, Output};
+use super::particles::{self, Particles};
+use super::plan::{self, Place, Plan};
+use super::schema::Schema;
+use super::sizes;
+use super::stage::{Before, Stage, compact, consolidate, cycle, permeability, run};
+use super::syntax;
+use super::table::{Source, Table, Value};
+use super::walls::{self, Walls};
+use crate::domain::Aabb;
+use crate::error::Error;
+use crate::input::InputError;
+
+type Result<T> = std::result::Result<T, InputError>;
+
+/// All tables of a scene.
+static SCHEMAS: [&Schema; 17] = [
+    &plan::SCHEMA,
+    &plan::BOX,
+    &particles::SCHEMA,
+    &sizes::SCHEMA,
+    &walls::SCHEMA,
+    &dem::SCHEMA,
+    &fluid::SCHEMA,
+    &fluid::PRESSURE,
+    &output::SCHEMA,
+    &compact::SCHEMA,
+    &cycle::SCHEMA,
+    &permeability::SCHEMA,
+    &consolidate::SCHEMA,
+    &run::SCHEMA,
+    &run::UNTIL,
+    &run::WALLS,
+    &run::CONTROL,
+];
+
+/// Every key that a scene may hold, table by table: how messages name the table (`[dem]`,
+/// `a compact stage`), and its keys.
+///
+/// ```
+/// let (_, keys) = dempfv::scene::known_keys().find(|(table, _)| *table == "[dem]").unwrap();
+/// assert!(keys.contains(&"damping"));
+/// ```
+pub fn known_keys() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
+    SCHEMAS.iter().map(|schema| (schema.name, schema.keys))
+}
+
+impl Plan {
+    /// Reads a scene.
+    ///
+    /// `file` is named in errors, and a relative packing path is taken from its folder.
+    /// The packing file must exist, but is not read.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its line and what would be right.
+    ///
+    /// ```
+    /// let plan = dempfv::scene::Plan::from_toml(r#"
+    ///     [box]
+    ///     min = [0, 0, 0]
+    ///     max = [1, 1, 1]
+    ///     [particles]
+    ///     cloud = { count = 100, porosity = 0.9 }
+    ///     [dem]
+    ///     [[stage]]
+    ///     kind = "compact"
+    ///     stress = 1e4
+    /// "#, None).unwrap();
+    /// assert!(plan.fluid.is_none());
+    ///
+    /// let error = dempfv::scene::Plan::from_toml("sede = 1", None).unwrap_err();
+    /// assert_eq!(error.line, Some(1));
+    /// assert_eq!(error.remedy, "did you mean `seed`?");
+    /// ```
+    pub fn from_toml(text: &str, file: Option<&Path>) -> Result<Plan> {
+        let source = Source { text, file, schemas: &SCHEMAS };
+        let document = DeTable::parse(text).map_err(|e| {
+            let at = e.span().map_or(0, |s| s.start);
+            source.error(at, format!("not TOML: {}", e.message()), syntax::remedy(text, at))
+        })?;
+        let root = Table::new(&source, &plan::SCHEMA, document.get_ref(), 0)?;
+        let plan = read(&root)?;
+        plan.rules().map_err(|fault| {
+            let at = match fault.place {
+                Place::Stage(i) => {
+                    root.get("stage").and_then(|s| Some(s.items("").ok()?.get(i)?.at))
+                }
+                Place::Fluid => root.get("fluid").map(|v| v.at),
+            };
+            source.error(at.unwrap_or(0), fault.what, fault.remedy)
+        })?;
+        Ok(plan)
+    }
+
+    /// Reads a scene file; see [`Plan::from_toml`].
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the file is not there or cannot be read, or something in it is
+    /// wrong.
+    pub fn load(path: impl AsRef<Path>) -> std::result::Result<Plan, Error> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            InputError::new(format!("cannot read the scene: {e}"), "name a scene file in TOML")
+                .in_file(path)
+        })?;
+        Ok(Plan::from_toml(&text, Some(path))?)
+    }
+
+    /// The plan as a scene file, with every default written out.
+    ///
+    /// Of a plan that is valid, [`from_toml`](Plan::from_toml) makes the same plan again. A
+    /// relative packing path starts at the current folder then. Angles are in degrees: one
+    /// that no number of degrees is, comes back as the nearest (within 10⁻¹⁵ of itself).
+    ///
+    /// ```
+    /// use dempfv::scene::{Dem, Plan, Run, Stage, StageKind};
+    /// let plan = Plan {
+    ///     dem: Some(Dem::default()),
+    ///     stages: vec![Stage::new("shake", StageKind::Run(Run::default()))],
+    ///     ..Plan::default()
+    /// };
+    /// assert_eq!(Plan::from_toml(&plan.to_toml(), None)?, plan);
+    /// # Ok::<(), dempfv::InputError>(())
+    /// ```
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("title = {}\nseed = {}\n", quoted(&self.title), self.seed);
+        let mut table = |head: &str, entries: Vec<(&'static str, String)>| {
+            text += &format!("\n{head}\n");
+            text.extend(entries.iter().map(|(key, value)| format!("{key} = {value}\n")));
+        };
+        if let Some(Aabb { min, max }) = &self.bounds {
+            let corner = |x| Vector("m").write(x).unwrap_or_default();
+            table("[box]", vec![("min", corner(min)), ("max", corner(max))]);
+        }
+        table("[particles]", self.particles.write());
+        table("[walls]", self.walls.write());
+        self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
+        self.fluid.iter().for_each(|fluid| table("[fluid]", fluid.write()));
+        self.stages.iter().for_each(|stage| table("[[stage]]", stage.write()));
+        table("[output]", self.output.write());
+        text
+    }
+}
+
+/// Reads the whole scene.
+fn read(root: &Table) -> Result<Plan> {
+    let file = root.source.file.map(Path::to_path_buf);
+    let title = match root.get("title") {
+        Some(v) => v.text("the scene's title")?.to_owned(),
+        None => file
+            .as_deref()
+            .and_then(Path::file_stem)
+            .map_or_else(|| "untitled".to_owned(), |s| s.to_string_lossy().into_owned()),
+    };
+    let mut seed = 1;
+    Keys::Read(root).take("seed", &Count(0), &mut seed)?;
+    let bounds = root.get("box").map(|v| read_box(&v)).transpose()?;
+    let particles = root.need("particles", "[particles] with `packing` or `cloud`")?;
+    let particles = Particles::read_in(&particles, bounds.as_ref())?;
+    let walls = Walls::as_stiff_as(particles.material.young);
+    let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
+    let dem = read_or(root, "dem", Dem::default())?;
+    let fluid = read_or(root, "fluid", Fluid::default())?;
+    let stages = read_stages(root, &Before { walls: &walls, has_fluid: fluid.is_some() })?;
+    let output = match root.get("output") {
+        Some(value) => read_output(&value, bounds.as_ref(), fluid.is_some())?,
+        None => Output::default(),
+    };
+    Ok(Plan { title, file, seed, bounds, particles, walls, dem, fluid, stages, output })
+}
+
+/// A table, where it is there: its defaults, and what it says otherwise.
+fn read_or<T: Keyed>(root: &Table, key: &str, defaults: T) -> Result<Option<T>> {
+    let Some(value) = root.get(key) else { return Ok(None) };
+    let table = value.table(defaults.schema())?;
+    defaults.read(&table).map(Some)
+}
+
+fn read_box(value: &Value) -> Result<Aabb> {
+    let table = value.table(&plan::BOX)?;
+    let min = table.need("min", "the smallest x, y, z in m")?.vector("m")?;
+    let upper = table.need("max", "the largest x, y, z in m")?;
+    let bounds = Aabb { min, max: upper.vector("m")? };
+    match plan::box_wrong(&bounds) {
+        Some(wrong) => Err(upper.wrong(wrong)),
+        None => Ok(bounds),
+    }
+}
+
+fn read_stages(root: &Table, before: &Before) -> Result<Vec<Stage>> {
+    const WANTED: &str = "one or more [[stage]] tables";
+    let value = root.need("stage", WANTED)?;
+    let items = value.items(WANTED)?;
+    if items.is_empty() {
+        return Err(value.error("is empty", format!("add {WANTED}")));
+    }
+    let mut stages = Vec::with_capacity(items.len());
+    for item in items {
+        let stage = Stage::read(&item, &stages, before)?;
+        stages.push(stage);
+    }
+    Ok(stages)
+}
+
+/// Probes lie inside the box, as far as the scene says where that is.
+fn read_output(value: &Value, bounds: Option<&Aabb>, has_fluid: bool) -> Result<Output> {
+    let table = value.table(&output::SCHEMA)?;
+    let output = Output::default().read(&table)?;
+    output.rules(&Keys::Read(&table), bounds, has_fluid)?;
+    Ok(output)
+}

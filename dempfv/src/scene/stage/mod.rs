@@ -1,0 +1,317 @@
+//! `[[stage]]`: what happens, in order; one file per kind.
+
+pub(super) mod compact;
+pub(super) mod consolidate;
+pub(super) mod cycle;
+pub(super) mod permeability;
+pub(super) mod run;
+
+use serde::Serialize;
+
+pub use compact::Compact;
+pub use consolidate::Consolidate;
+pub use cycle::Cycle;
+pub use permeability::Permeability;
+pub use run::{Run, Until};
+
+use super::dem::{DAMPING, Dem, Steps, TimeStep};
+use super::fluid::Fluid;
+use super::keys::{Keyed, Keys};
+use super::kind::{Kind, Maybe, quoted};
+use super::schema::Schema;
+use super::table::{Table, Value};
+use super::walls::Walls;
+use super::wrong::Wrong;
+use crate::domain::Axis;
+use crate::input::InputError;
+
+type Result<T> = std::result::Result<T, InputError>;
+
+/// A stage of the simulation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stage {
+    /// Name, unlike any other stage's. Default: the kind, with a number from the second on.
+    pub name: String,
+    /// What happens.
+    pub kind: StageKind,
+    /// Time step of this stage. `None`: that of `[dem]`.
+    pub dt: Option<TimeStep>,
+    /// Local damping λ in this stage (1). `None`: that of `[dem]`.
+    pub damping: Option<f64>,
+}
+
+/// What happens in a stage.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StageKind {
+    /// Growth of radii to an isotropic stress.
+    Compact(Compact),
+    /// Dry load and unload cycles that measure the oedometric modulus.
+    Cycle(Cycle),
+    /// Static flow through the packing at rest.
+    Permeability(Permeability),
+    /// Coupled one-dimensional consolidation.
+    Consolidate(Consolidate),
+    /// A number of steps under given wall motions.
+    Run(Run),
+}
+
+impl StageKind {
+    /// The kind's name in scene files.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            StageKind::Compact(_) => "compact",
+            StageKind::Cycle(_) => "cycle",
+            StageKind::Permeability(_) => "permeability",
+            StageKind::Consolidate(_) => "consolidate",
+            StageKind::Run(_) => "run",
+        }
+    }
+
+    /// True when spheres move in this stage.
+    pub const fn moves(&self) -> bool {
+        !matches!(self, StageKind::Permeability(_))
+    }
+
+    /// True when the flow is solved at every step of this stage.
+    pub const fn is_coupled(&self) -> bool {
+        match self {
+            StageKind::Consolidate(_) => true,
+            StageKind::Run(run) => run.fluid,
+            _ => false,
+        }
+    }
+
+    /// True when a wall moves with a given velocity in this stage.
+    pub fn has_moving_wall(&self) -> bool {
+        matches!(self, StageKind::Run(run) if run.has_moving_wall())
+    }
+
+    /// True when a wall is held at a stress in this stage.
+    pub fn has_servo(&self) -> bool {
+        match self {
+            StageKind::Cycle(_) | StageKind::Consolidate(_) => true,
+            StageKind::Run(run) => run.has_servo(),
+            StageKind::Compact(_) | StageKind::Permeability(_) => false,
+        }
+    }
+
+    fn schema(&self) -> &'static Schema {
+        match self {
+            StageKind::Compact(stage) => stage.schema(),
+            StageKind::Cycle(stage) => stage.schema(),
+            StageKind::Permeability(stage) => stage.schema(),
+            StageKind::Consolidate(stage) => stage.schema(),
+            StageKind::Run(stage) => stage.schema(),
+        }
+    }
+
+    fn check(&self) -> Result<()> {
+        match self {
+            StageKind::Compact(stage) => stage.check(),
+            StageKind::Cycle(stage) => stage.check(),
+            StageKind::Permeability(stage) => stage.check(),
+            StageKind::Consolidate(stage) => stage.check(),
+            StageKind::Run(stage) => stage.check(),
+        }
+    }
+
+    fn write(&self) -> Vec<(&'static str, String)> {
+        match self {
+            StageKind::Compact(stage) => stage.write(),
+            StageKind::Cycle(stage) => stage.write(),
+            StageKind::Permeability(stage) => stage.write(),
+            StageKind::Consolidate(stage) => stage.write(),
+            StageKind::Run(stage) => stage.write(),
+        }
+    }
+
+    /// With what its table and the tables before say.
+    fn read(mut self, table: &Table, before: &Before) -> Result<StageKind> {
+        let max_velocity = before.walls.max_velocity;
+        match &mut self {
+            StageKind::Cycle(stage) => stage.max_velocity = max_velocity,
+            StageKind::Consolidate(stage) => stage.max_velocity = max_velocity,
+            StageKind::Run(stage) => stage.fluid = before.has_fluid,
+            StageKind::Compact(_) | StageKind::Permeability(_) => {}
+        }
+        Ok(match self {
+            StageKind::Compact(stage) => StageKind::Compact(stage.read(table)?),
+            StageKind::Cycle(stage) => StageKind::Cycle(stage.read(table)?),
+            StageKind::Permeability(stage) => StageKind::Permeability(stage.read(table)?),
+            StageKind::Consolidate(stage) => StageKind::Consolidate(stage.read(table)?),
+            StageKind::Run(stage) => StageKind::Run(stage.read_with(table, max_velocity)?),
+        })
+    }
+}
+
+/// What the scene said before its stages.
+pub(super) struct Before<'a> {
+    pub walls: &'a Walls,
+    pub has_fluid: bool,
+}
+
+impl Stage {
+    /// A stage with the mechanics of `[dem]`.
+    ///
+    /// ```
+    /// use dempfv::scene::{Compact, Stage, StageKind};
+    /// let kind = StageKind::Compact(Compact { stress: 2e4, ..Compact::default() });
+    /// assert_eq!(Stage::new("compact", kind).damping, None);
+    /// ```
+    pub fn new(name: impl Into<String>, kind: StageKind) -> Stage {
+        Stage { name: name.into(), kind, dt: None, damping: None }
+    }
+
+    /// The settings of `[dem]` with what this stage says otherwise.
+    pub fn mechanics(&self, dem: &Dem) -> Dem {
+        let mut dem = *dem;
+        dem.dt = self.dt.unwrap_or(dem.dt);
+        dem.options.damping = self.damping.unwrap_or(dem.options.damping);
+        dem
+    }
+
+    /// Reads a stage; `earlier` are those before it.
+    pub(super) fn read(value: &Value, earlier: &[Stage], before: &Before) -> Result<Stage> {
+        let kind = read_kind(value)?;
+        let table = value.table(kind.schema())?;
+        let kind = kind.read(&table, before)?;
+        let mut stage = Stage::new(read_name(&table, &kind, earlier)?, kind);
+        if stage.kind.moves() {
+            stage.keys(&mut Keys::Read(&table))?;
+        }
+        Ok(stage)
+    }
+
+    /// The keys that all stages have that move spheres.
+    fn keys(&mut self, keys: &mut Keys) -> Result<()> {
+        keys.take("dt", &Maybe(Steps), &mut self.dt)?;
+        keys.take("damping", &Maybe(DAMPING), &mut self.damping)
+    }
+
+    /// Checks every value.
+    pub(super) fn check(&self) -> Result<()> {
+        self.kind.check()?;
+        let mut keys = Keys::Check(self.kind.schema());
+        self.clone().keys(&mut keys)?;
+        let unused = [("dt", self.dt.is_some()), ("damping", self.damping.is_some())];
+        match unused.into_iter().find(|(_, given)| *given && !self.kind.moves()) {
+            Some((key, _)) => {
+                let wrong = Wrong::new("is given, but nothing moves there", "leave it out");
+                keys.rule(key, Some(wrong))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Each key with its value as a scene has it.
+    pub(super) fn write(&self) -> Vec<(&'static str, String)> {
+        let kind = [("kind", quoted(self.kind.name())), ("name", quoted(&self.name))];
+        let own = [
+            ("dt", Maybe(Steps).write(&self.dt)),
+            ("damping", Maybe(DAMPING).write(&self.damping)),
+        ];
+        let own = own.into_iter().filter_map(|(key, text)| Some((key, text?)));
+        kind.into_iter().chain(self.kind.write()).chain(own).collect()
+    }
+
+    /// What is wrong with this stage in its scene; to be read after its name.
+    pub(super) fn wrong_in(
+        &self,
+        earlier: &[Stage],
+        dem: Option<&Dem>,
+        fluid: Option<&Fluid>,
+    ) -> Option<Wrong> {
+        let kind = &self.kind;
+        if self.name.trim().is_empty() || earlier.iter().any(|s| s.name == self.name) {
+            let problem = "has an empty name or the name of an earlier stage";
+            return Some(Wrong::new(problem, "give every stage a name of its own"));
+        }
+        if kind.moves() && dem.is_none() {
+            let problem = "moves spheres, but there is no [dem]";
+            return Some(Wrong::new(problem, "add [dem] (it may be empty)"));
+        }
+        let needs_fluid = kind.is_coupled() || matches!(kind, StageKind::Permeability(_));
+        let Some(fluid) = fluid else {
+            let problem = "needs a fluid, but there is no [fluid]";
+            let remedy = "add [fluid] with `viscosity` in Pa·s";
+            return needs_fluid.then(|| Wrong::new(problem, remedy)).or_else(|| self.wrong());
+        };
+        match kind {
+            StageKind::Consolidate(stage) => {
+                stage.wrong_after(&measured(Axis::of(stage.wall), earlier), fluid)
+            }
+            _ => self.wrong(),
+        }
+    }
+
+    /// What is wrong with this stage alone.
+    fn wrong(&self) -> Option<Wrong> {
+        match &self.kind {
+            StageKind::Run(run) => run.wrong(),
+            _ => None,
+        }
+    }
+}
+
+/// What stages measure along an axis.
+fn measured(axis: Axis, stages: &[Stage]) -> consolidate::Measured {
+    let any = |holds: &dyn Fn(&StageKind) -> bool| stages.iter().any(|s| holds(&s.kind));
+    consolidate::Measured {
+        modulus: any(&|k| matches!(k, StageKind::Cycle(c) if Axis::of(c.wall) == axis)),
+        permeability: any(&|k| matches!(k, StageKind::Permeability(p) if p.axis == axis)),
+    }
+}
+
+/// Effects of the stages.
+pub(super) fn effects(stages: &[Stage]) -> [(&'static str, bool); 3] {
+    let any = |holds: fn(&StageKind) -> bool| stages.iter().any(|s| holds(&s.kind));
+    [
+        (compact::GROWTH, any(|k| matches!(k, StageKind::Compact(_)))),
+        (run::MOVING_WALLS, any(StageKind::has_moving_wall)),
+        ("servo walls", any(StageKind::has_servo)),
+    ]
+}
+
+/// The kind of a stage, with its defaults.
+fn read_kind(stage: &Value) -> Result<StageKind> {
+    let kinds = [
+        StageKind::Compact(Compact::default()),
+        StageKind::Cycle(Cycle::default()),
+        StageKind::Permeability(Permeability::default()),
+        StageKind::Consolidate(Consolidate::default()),
+        StageKind::Run(Run::default()),
+    ];
+    let names: Vec<_> = kinds.iter().map(|k| (k.name(), k)).collect();
+    let Some(kind) = stage.peek("kind") else {
+        let known: Vec<_> = names.iter().map(|(name, _)| *name).collect();
+        return Err(stage.source.error(
+            stage.at,
+            "a [[stage]] has no `kind`",
+            format!("add `kind = \"...\"`, one of {}", known.join(", ")),
+        ));
+    };
+    kind.choice(&names).cloned()
+}
+
+fn read_name(table: &Table, kind: &StageKind, earlier: &[Stage]) -> Result<String> {
+    let taken = |name: &str| earlier.iter().any(|s| s.name == name);
+    let Some(value) = table.get("name") else {
+        let kind = kind.name();
+        let mut name = kind.to_owned();
+        let mut number = 1;
+        while taken(&name) {
+            number += 1;
+            name = format!("{kind} {number}");
+        }
+        return Ok(name);
+    };
+    let name = value.text("the stage's name")?;
+    if name.trim().is_empty() || taken(name) {
+        return Err(value.error(
+            &format!("is \"{name}\", which is empty or the name of an earlier stage"),
+            "give every stage a name of its own, or none",
+        ));
+    }
+    Ok(name.to_owned())
+}
