@@ -19,7 +19,7 @@ use super::viscous_bound;
 use crate::Vec3;
 use crate::dem::{Dem, DemError, WallControl};
 use crate::parallel::spinning;
-use crate::pfv::{BuildTimes, Flow, Fluid, ViscousMode};
+use crate::pfv::{BuildTimes, Flow, ViscousMode};
 
 /// Spheres from which on the threads that wait keep their processors busy: with
 /// fewer, most of a step is done by one thread.
