@@ -49,10 +49,11 @@ impl NetworkBuilder for Faulty {
     ) -> Result<Option<Flow>, CouplingError> {
         match (self.fault)(self.builds.fetch_add(1, Ordering::SeqCst)) {
             Some(Fault::NotPositiveDefinite) => {
-                return Err(SolverError::NotPositiveDefinite { column: 17 }.into());
+                return Err(PfvError::from(SolverError::NotPositiveDefinite { column: 17 }).into());
             }
             Some(Fault::OutOfMemory) => {
-                return Err(SolverError::OutOfMemory { solver: "s", phase: "factor", n: 9 }.into());
+                let none = SolverError::OutOfMemory { solver: "s", phase: "factor", n: 9 };
+                return Err(PfvError::from(none).into());
             }
             Some(Fault::GivesUp) => return Ok(None),
             Some(Fault::Panic) => panic!("on purpose"),

@@ -54,7 +54,7 @@ fn mechanics(text: &str) -> Vec<(&'static str, f64, f64)> {
     for stage in ["compact", "cycle", "consolidate", "run"] {
         advance_to(&mut simulation, stage);
         advance(&mut simulation, 3);
-        seen.push((stage, simulation.dt(), simulation.coupled().dem.options().damping));
+        seen.push((stage, simulation.dt(), simulation.coupled().dem().options().damping));
     }
     seen
 }

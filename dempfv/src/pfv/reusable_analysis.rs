@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use crate::solver::Solver;
-use crate::solver::{Factor, SymmetricCsc};
+use crate::solver::{Factor, Solver, SymmetricCsc};
 
 /// A factor that is no longer needed, with the pattern and the points of the
 /// unknowns that were analyzed for it: a matrix of the same needs no other
