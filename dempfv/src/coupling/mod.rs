@@ -36,7 +36,7 @@ pub use counts::{IntervalTrail, RemeshCounts, UpdateCounts};
 pub use coupled::Coupled;
 pub use error::CouplingError;
 pub use gpu_use::GpuUse;
-pub use network_builder::{NetworkBuilder, NetworkRequest, StandardBuilder};
+pub use network_builder::{BackendBuilder, NetworkBuilder, NetworkRequest, StandardBuilder};
 pub use observe::Observation;
 pub use options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 pub use phases::{Phase, Phases};

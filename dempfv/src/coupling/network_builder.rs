@@ -1,10 +1,11 @@
 //! Who builds networks: from positions to a flow that is ready to solve.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::Result;
 use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
-use crate::solver::SolverKind;
+use crate::solver::{Backend, Solver, SolverKind};
 use crate::{Aabb, Vec3};
 
 /// The positions that a network is to be built from, and how.
@@ -40,17 +41,41 @@ pub struct StandardBuilder;
 
 impl NetworkBuilder for StandardBuilder {
     fn build(&self, request: NetworkRequest, cancelled: &AtomicBool) -> Result<Option<Flow>> {
-        let stop = || cancelled.load(Ordering::Relaxed);
-        let NetworkRequest { position, radius, bounds, fluid, solver, reusable } = request;
-        if stop() {
-            return Ok(None);
-        }
-        let assembled = Assembled::new(&position, &radius, bounds, &fluid)?;
-        drop((position, radius));
-        if stop() {
-            return Ok(None);
-        }
-        let analyzed = assembled.analyze(solver, reusable)?;
-        if stop() { Ok(None) } else { Ok(Some(analyzed.factor()?)) }
+        let solver = request.solver.into();
+        build(request, solver, cancelled)
     }
+}
+
+/// As [`StandardBuilder`], with any solver in the place of the one that is asked for.
+#[derive(Clone)]
+pub struct BackendBuilder {
+    backend: Arc<dyn Backend>,
+}
+
+impl BackendBuilder {
+    /// Networks that this backend solves.
+    pub fn new(backend: Arc<dyn Backend>) -> BackendBuilder {
+        BackendBuilder { backend }
+    }
+}
+
+impl NetworkBuilder for BackendBuilder {
+    fn build(&self, request: NetworkRequest, cancelled: &AtomicBool) -> Result<Option<Flow>> {
+        build(request, Arc::clone(&self.backend).into(), cancelled)
+    }
+}
+
+fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Result<Option<Flow>> {
+    let stop = || cancelled.load(Ordering::Relaxed);
+    let NetworkRequest { position, radius, bounds, fluid, reusable, .. } = request;
+    if stop() {
+        return Ok(None);
+    }
+    let assembled = Assembled::new(&position, &radius, bounds, &fluid)?;
+    drop((position, radius));
+    if stop() {
+        return Ok(None);
+    }
+    let analyzed = assembled.analyze(solver, reusable)?;
+    if stop() { Ok(None) } else { Ok(Some(analyzed.factor()?)) }
 }
