@@ -148,7 +148,7 @@ pub trait Factor: Send {
     /// unknowns.
     fn solve_many(&mut self, b: &[f64], x: &mut [f64], columns: usize) -> Result<(), SolverError> {
         // No columns: then neither may have any entry.
-        let n = if columns == 0 { 0 } else { b.len() / columns };
+        let n = b.len().checked_div(columns).unwrap_or(0);
         require_size("the block of right-hand sides", n * columns, b.len())?;
         require_size("the block of solutions", b.len(), x.len())?;
         if n == 0 {
