@@ -265,7 +265,13 @@ mod tests {
     use super::super::specimens::SPECIMENS;
     use super::*;
 
+    /// Specimens are found from a checkout's root; cargo runs these tests one folder below.
+    fn enter_checkout() {
+        std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).unwrap();
+    }
+
     fn all_jobs() -> Jobs {
+        enter_checkout();
         Jobs::new(&Figure::ALL, &SPECIMENS, &Machine::with(2, 24.0 * 1024.0_f64.powi(3))).unwrap()
     }
 
@@ -299,6 +305,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_the_memory_is_left_out_and_named() {
+        enter_checkout();
         let small = Machine::with(2, 1e9);
         let jobs = Jobs::new(&[Figure::Parts], &SPECIMENS, &small).unwrap();
         assert!(jobs.left_out.iter().any(|what| what.contains("run-343000-")));
