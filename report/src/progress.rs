@@ -19,6 +19,12 @@ pub struct Progress {
     next: Instant,
 }
 
+impl Default for Progress {
+    fn default() -> Progress {
+        Progress::new()
+    }
+}
+
 impl Progress {
     /// No stage yet; nothing is drawn.
     pub fn new() -> Progress {

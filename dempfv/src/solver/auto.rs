@@ -1,15 +1,11 @@
 //! Which solver is the fastest for how many unknowns, and which takes the matrix at all.
 
+use super::cost::FRONTAL_FROM;
 use super::frontal::{FrontalFactor, FrontalSymbolic};
 use super::{
     Analysis, Backend, Cholmod, Cost, Factor, Placement, SolverError, Symbolic, SymmetricCsc,
     SystemSize, cholmod, cost,
 };
-
-/// From this many unknowns on the frontal solver is the faster one: some 1,500
-/// spheres. Below, where a factor lies in the processor's cache whatever its
-/// precision, one solve by CHOLMOD takes less than two corrections.
-pub const FRONTAL_FROM: usize = 8_000;
 
 /// CHOLMOD for small systems, the frontal solver for large ones. Where the frontal solver
 /// refuses a matrix, since it is no diagonally dominant M-matrix (an entry off the diagonal is

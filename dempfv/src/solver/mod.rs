@@ -57,9 +57,9 @@ mod refine;
 
 use std::fmt;
 
-pub use auto::{Auto, FRONTAL_FROM};
+pub use auto::Auto;
 pub use cholmod::{Cholmod, CholmodGpu};
-pub use cost::{Cost, CostModel, Fill, SystemSize};
+pub use cost::{Cost, CostModel, FRONTAL_FROM, Fill, SystemSize};
 pub use error::SolverError;
 pub use frontal::Frontal;
 pub use gpu_info::{GpuInfo, gpus};

@@ -5,7 +5,7 @@ use std::ffi::c_int;
 
 use cholmod_sys::blas;
 
-use super::dense::Block;
+use super::block::Block;
 
 /// C = β C - A Bᵀ over `k` columns of A and B; C has the rows of A, and as many
 /// columns as B has rows.

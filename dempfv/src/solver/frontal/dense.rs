@@ -1,32 +1,13 @@
 //! Dense operations on tiles in single precision: the BLAS where there is enough to do for it, loops
 //! of our own where there is not.
 
+pub use super::block::Block;
 use super::cblas;
 pub use super::cblas::subtract_product;
 use super::microkernel;
 
 /// Below this many columns a loop beats a call of the BLAS.
 const BLAS_COLUMNS: usize = 12;
-
-/// A block by columns: `rows` entries each, `stride` from one to the next.
-#[derive(Clone, Copy)]
-pub struct Block<'a> {
-    pub data: &'a [f32],
-    pub rows: usize,
-    pub stride: usize,
-}
-
-impl<'a> Block<'a> {
-    /// A block whose columns follow each other.
-    pub fn packed(data: &'a [f32], rows: usize) -> Block<'a> {
-        Block { data, rows, stride: rows }
-    }
-
-    /// Its rows from this one on; may be none.
-    pub fn below(self, row: usize) -> Block<'a> {
-        Block { data: &self.data[row..], rows: self.rows - row, ..self }
-    }
-}
 
 /// B = B L⁻ᵀ for the lower triangle L (w by w, packed) and `rows` rows of B.
 pub fn solve_right(b: &mut [f32], rows: usize, l: &[f32], w: usize, inverse: &[f32]) {

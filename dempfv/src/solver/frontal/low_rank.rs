@@ -14,9 +14,9 @@
 
 use pulp::Simd;
 
+use super::block::PIVOT_BLOCK;
 use super::dense::Block;
 use super::packed::{BLOCK_ROWS, words};
-use super::pivot::PIVOT_BLOCK;
 use super::shape::TILE;
 
 /// Most rank-one terms of a block.

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::pivot::PIVOT_BLOCK;
+use super::block::PIVOT_BLOCK;
 use super::tail::Tail;
 
 /// Columns of more entries are read one after the other: several at once

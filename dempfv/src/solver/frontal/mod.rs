@@ -21,6 +21,7 @@
 //! tree of fronts is worked through on all threads; results are the same bits
 //! for any number.
 
+mod block;
 mod cblas;
 mod dense;
 mod extend_add;

@@ -1,10 +1,8 @@
 //! The triangle on a panel's diagonal: factored without cancellation (Grassmann, Taksar and Heyman
 //! 1985), and the inverses of its diagonal blocks that solves use.
 
+use super::block::PIVOT_BLOCK;
 use super::dense::{Block, subtract_product, total};
-
-/// Columns whose triangle on the diagonal is kept as its inverse.
-pub const PIVOT_BLOCK: usize = 32;
 
 /// Replaces the triangles of pivot blocks on the diagonal of a packed lower triangle
 /// (w by w) by their inverses, and what is above the diagonal there by zero.

@@ -2,8 +2,8 @@
 
 use pulp::Simd;
 
+use super::super::block::PIVOT_BLOCK;
 use super::super::packed::{BLOCK_ROWS, EIGHT_BIT_COLUMN_WORDS, header, step_of};
-use super::super::pivot::PIVOT_BLOCK;
 use super::decode::{CubeRoots, Decode};
 use super::product::{TransposedProduct, multiply_column, multiply_column_transposed};
 use super::{Halves, PREFETCH_WORDS, UNROLLED_VECTORS};

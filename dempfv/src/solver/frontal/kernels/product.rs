@@ -2,8 +2,8 @@
 
 use pulp::Simd;
 
+use super::super::block::PIVOT_BLOCK;
 use super::super::packed::words as words_for;
-use super::super::pivot::PIVOT_BLOCK;
 use super::decode::Decode;
 use super::{Halves, MAX_LANES, PREFETCH_WORDS, UNROLLED_VECTORS};
 use crate::parallel::prefetch;

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::super::pivot::PIVOT_BLOCK;
+use super::super::block::PIVOT_BLOCK;
 use crate::parallel::prefetch;
 
 /// How far ahead entries of triangles are asked for: two kilobytes.

@@ -27,7 +27,7 @@
 mod pack;
 mod quantize;
 
-use super::pivot::PIVOT_BLOCK;
+use super::block::PIVOT_BLOCK;
 use super::shape::{Shape, TILE};
 use super::symbolic::Pattern;
 pub use pack::pack;

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
+use super::super::block::PIVOT_BLOCK;
 use super::super::dense::Block;
 use super::super::low_rank::{LowRank, header_words, low_rank_words};
-use super::super::pivot::PIVOT_BLOCK;
 use super::super::shape::{Rows, Shape, TILE};
 use super::quantize::{
     EIGHT_BIT_LIMIT, ROOT_LEVELS, SCALED_MAX, decode, encode, step_for, step_of,

@@ -6,13 +6,13 @@ use std::ops::Range;
 use pulp::Simd;
 use rayon::prelude::*;
 
+use super::block::PIVOT_BLOCK;
 use super::kernels::{
     CubeRoots, Halves, PREFETCH_WORDS, TransposedProduct, multiply, multiply_low_rank,
     multiply_low_rank_transposed, multiply_mixed, multiply_triangle,
 };
 use super::low_rank::rank_of;
 use super::packed::{BLOCK_ROWS, CHUNK_ROWS, Panel, PivotBlock, panels, words as words_for};
-use super::pivot::PIVOT_BLOCK;
 use super::shape::{Shape, TILE};
 use super::tail::Tail;
 

@@ -1,0 +1,141 @@
+//! What is imposed on the fluid: a condition per pore. Walls are one way to give them.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Boundary, NONE, Network, PfvError};
+use crate::{Aabb, Vec3, WallId};
+
+/// Some of a network's pores.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PoreSelection {
+    /// By their numbers, which are those of one network only.
+    Pores(Vec<u32>),
+    /// All whose centroid lies within a distance of a point.
+    Around {
+        /// The point (m).
+        center: Vec3,
+        /// The distance (m).
+        radius: f64,
+    },
+}
+
+/// A pressure imposed on pores of choice, such as those around the tip of an injection tube.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ImposedPressure {
+    /// On which pores.
+    pub pores: PoreSelection,
+    /// The pressure (Pa).
+    pub pressure: f64,
+}
+
+/// The pores of these have no condition, as walls that let nothing through.
+const FREE: u32 = NONE;
+
+/// The condition of each pore: an imposed pressure, or none.
+///
+/// Pores under one condition are a set. Sets 0 to 5 are the walls', in the order of
+/// [`WallId::ALL`]; the others follow in the order in which they were imposed. The flux is
+/// accounted per set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoreConditions {
+    /// Set of each pore, or [`FREE`].
+    set_of: Vec<u32>,
+    /// Pressure of each set (Pa); `None` for a wall that imposes none.
+    pressure: Vec<Option<f64>>,
+}
+
+impl PoreConditions {
+    /// The conditions that walls give: a pore at several walls with imposed pressures has that
+    /// of the last of these, as in YADE.
+    pub fn of_walls(network: &Network, boundary: &Boundary) -> PoreConditions {
+        let cells = &network.tessellation.cells;
+        let set_of = cells.iter().map(|&cell| imposing_wall(network, boundary, cell)).collect();
+        PoreConditions { set_of, pressure: boundary.pressure.values().copied().collect() }
+    }
+
+    /// Imposes a pressure (Pa) on pores of choice, whatever was imposed on them before.
+    /// `position` (m) and `bounds` are those that the network was built of.
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] where the pressure is not finite, a pore has no such
+    /// number, or none is selected.
+    pub fn impose(
+        &mut self,
+        network: &Network,
+        position: &[Vec3],
+        imposed: &ImposedPressure,
+    ) -> Result<(), PfvError> {
+        let ImposedPressure { pores, pressure } = imposed;
+        let set = self.pressure.len() as u32;
+        let wrong = |argument, index, problem| PfvError::InvalidInput { argument, index, problem };
+        if !pressure.is_finite() {
+            let which = (set - 6) as usize;
+            return Err(wrong(
+                "imposed pressure",
+                Some(which),
+                format!("{pressure} is not finite"),
+            ));
+        }
+        let selected = select(pores, network, position, &network.bounds);
+        if selected.is_empty() {
+            let which = (set - 6) as usize;
+            return Err(wrong("imposed pressure", Some(which), "selects no pore".to_owned()));
+        }
+        for (k, &pore) in selected.iter().enumerate() {
+            let pores = self.set_of.len();
+            match self.set_of.get_mut(pore as usize) {
+                Some(of) => *of = set,
+                None => {
+                    let problem = format!("pore {pore} of a network of {pores}");
+                    return Err(wrong("selected pores", Some(k), problem));
+                }
+            }
+        }
+        self.pressure.push(Some(*pressure));
+        Ok(())
+    }
+
+    /// Number of sets: six walls, and those imposed beside them.
+    pub fn sets(&self) -> usize {
+        self.pressure.len()
+    }
+
+    /// Set of a pore with an imposed pressure; `None` for a free one.
+    pub fn set_of(&self, pore: usize) -> Option<usize> {
+        (self.set_of[pore] != FREE).then(|| self.set_of[pore] as usize)
+    }
+
+    /// Wall that imposes the pressure of a pore; `None` for a free one, and where it was
+    /// imposed otherwise.
+    pub fn wall_of(&self, pore: usize) -> Option<WallId> {
+        WallId::ALL.get(self.set_of(pore)?).copied()
+    }
+
+    /// Pressure imposed on a pore (Pa); `None` for a free one.
+    pub fn pressure_of(&self, pore: usize) -> Option<f64> {
+        self.pressure[self.set_of(pore)?]
+    }
+
+    /// Pressure of each set (Pa); `None` for a wall that imposes none.
+    pub fn pressures(&self) -> &[Option<f64>] {
+        &self.pressure
+    }
+}
+
+/// The wall that imposes a cell's pressure; of several the last, as in YADE.
+fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u32 {
+    let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
+    let imposing = walls.filter(|&wall| boundary.pressure[wall].is_some());
+    imposing.map(|wall: WallId| wall.index() as u32).max().unwrap_or(FREE)
+}
+
+fn select(pores: &PoreSelection, network: &Network, position: &[Vec3], bounds: &Aabb) -> Vec<u32> {
+    match pores {
+        PoreSelection::Pores(numbers) => numbers.clone(),
+        PoreSelection::Around { center, radius } => {
+            let centroids = network.centroids(position, bounds);
+            let near = |x: &Vec3| (x - center).norm() <= *radius;
+            (0u32..).zip(&centroids).filter(|(_, x)| near(x)).map(|(i, _)| i).collect()
+        }
+    }
+}
