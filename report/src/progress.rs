@@ -19,11 +19,17 @@ pub struct Progress {
     next: Instant,
 }
 
+impl Default for Progress {
+    fn default() -> Progress {
+        let now = Instant::now();
+        Progress { bar: ProgressBar::hidden(), stage: String::new(), start: (0, now), next: now }
+    }
+}
+
 impl Progress {
     /// No stage yet; nothing is drawn.
     pub fn new() -> Progress {
-        let now = Instant::now();
-        Progress { bar: ProgressBar::hidden(), stage: String::new(), start: (0, now), next: now }
+        Progress::default()
     }
 
     /// A stage begins at this step of the run. `bounded`: [`Progress::update`] will tell
