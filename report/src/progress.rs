@@ -21,15 +21,15 @@ pub struct Progress {
 
 impl Default for Progress {
     fn default() -> Progress {
-        Progress::new()
+        let now = Instant::now();
+        Progress { bar: ProgressBar::hidden(), stage: String::new(), start: (0, now), next: now }
     }
 }
 
 impl Progress {
     /// No stage yet; nothing is drawn.
     pub fn new() -> Progress {
-        let now = Instant::now();
-        Progress { bar: ProgressBar::hidden(), stage: String::new(), start: (0, now), next: now }
+        Progress::default()
     }
 
     /// A stage begins at this step of the run. `bounded`: [`Progress::update`] will tell

@@ -1,5 +1,5 @@
-//! A picture as a list of filled and stroked paths; [`super::svg`] and
-//! [`super::png`] render the same list.
+//! A picture as a list of filled and stroked paths; `svg` and
+//! `png` render the same list.
 
 use super::color::Color;
 use super::text::{self, Face};

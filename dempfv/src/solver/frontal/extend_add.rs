@@ -3,9 +3,18 @@
 
 use rayon::prelude::*;
 
-use super::numeric::ContributionBlock;
 use super::shape::{Rows, Shape, TILE};
 use super::symbolic::Pattern;
+
+/// What a front leaves to its parent.
+pub struct ContributionBlock {
+    /// The supernode of the front.
+    pub from: usize,
+    /// The Schur complement, in tiles; its diagonal is not kept.
+    pub entries: Vec<f32>,
+    /// What the rows' row excesses have grown by.
+    pub row_excess: Vec<f32>,
+}
 
 /// Rows of a child that share a tile in it and a tile of the parent.
 struct Segment {

@@ -6,22 +6,12 @@
 use rayon::prelude::*;
 
 use super::dense::{self, Block};
-use super::extend_add;
+use super::extend_add::{self, ContributionBlock};
 use super::packed::{self, FactorLayout, FactorSlices};
 use super::pivot;
 use super::schedule::Schedule;
 use super::shape::Shape;
 use super::symbolic::Pattern;
-
-/// What a front leaves to its parent.
-pub struct ContributionBlock {
-    /// The supernode of the front.
-    pub from: usize,
-    /// The Schur complement, in tiles; its diagonal is not kept.
-    pub entries: Vec<f32>,
-    /// What the rows' row excesses have grown by.
-    pub row_excess: Vec<f32>,
-}
 
 /// Where a factorization stopped: a column of the factor.
 pub struct Stopped(pub usize);
