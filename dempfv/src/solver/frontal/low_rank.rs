@@ -14,9 +14,8 @@
 
 use pulp::Simd;
 
-use super::block::PIVOT_BLOCK;
+use super::block::{BLOCK_ROWS, PIVOT_BLOCK, words};
 use super::dense::Block;
-use super::packed::{BLOCK_ROWS, words};
 use super::shape::TILE;
 
 /// Most rank-one terms of a block.

@@ -28,13 +28,11 @@ mod pack;
 mod quantize;
 
 use super::block::PIVOT_BLOCK;
+pub use super::block::{BLOCK_ROWS, words};
 use super::shape::{Shape, TILE};
 use super::symbolic::Pattern;
 pub use pack::pack;
 pub use quantize::{CODE_BASE, ROOT_OFFSET, ROOT_SCALE, step_of};
-
-/// Rows of a block: what a solve keeps in registers while it goes through a pivot block.
-pub const BLOCK_ROWS: usize = 64;
 
 /// Rows of a chunk, which one thread reads block by block.
 pub const CHUNK_ROWS: usize = 2 * TILE;
@@ -44,13 +42,6 @@ pub const OVERREAD_WORDS: usize = BLOCK_ROWS;
 
 /// Words of such a block: each has rows k and k + 16, and the same of the upper half.
 pub const EIGHT_BIT_COLUMN_WORDS: usize = BLOCK_ROWS / 4;
-
-/// Words that a column takes for so many rows. Word k of a block of n words holds rows k
-/// and k + n.
-#[inline(always)]
-pub fn words(rows: usize) -> usize {
-    rows.div_ceil(2)
-}
 
 /// The columns of one panel as solves read them: first what goes to later rows of the
 /// panel, pivot block by pivot block, then what goes to the rows below, chunk by chunk and in these block
