@@ -117,11 +117,11 @@ paper: build ## Measure the figures of Caulk et al. (2020); writes docs/paper.md
 	cp $(PAPER)/paper.md docs/paper.md
 	@echo "Report: docs/paper.md, its figures in docs/paper/; raw points in $(PAPER)/points/"
 
-every-step: build ## Measure what following the spheres at every step costs and gains; writes docs/every-step.md (half an hour)
+every-step: build ## Measure what following the spheres at every step costs and gains; writes docs/evidence/every-step.md (half an hour)
 	$(DEMPFV) every-step --out $(EVERY_STEP) --force
-	mkdir -p docs/every-step
-	cp $(EVERY_STEP)/every-step/*.png $(EVERY_STEP)/every-step/*.csv docs/every-step/
-	cp $(EVERY_STEP)/every-step.md docs/every-step.md
+	mkdir -p docs/evidence/every-step
+	cp $(EVERY_STEP)/every-step/*.png $(EVERY_STEP)/every-step/*.csv docs/evidence/every-step/
+	cp $(EVERY_STEP)/every-step.md docs/evidence/every-step.md
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda
