@@ -49,7 +49,13 @@ fn sorting_while_wet_changes_no_pressure() {
             coupled.step(DT).unwrap();
             let seen = coupled.observe();
             let pressure = coupled.pressure_at_spheres();
-            (pressure, coupled.fluid_force(), coupled.positions(), coupled.velocities(), seen)
+            (
+                pressure,
+                coupled.fluid_force(),
+                coupled.dem().positions(),
+                coupled.dem().velocities(),
+                seen,
+            )
         };
         let (pressure, force, position, velocity, seen) = run(false);
         let (p, f, x, v, s) = run(true);
@@ -69,14 +75,14 @@ fn lists_are_by_the_users_numbers() {
     let spheres = settled();
     let position = spheres.x.clone();
     let mut coupled = Coupled::new(dem_of(spheres));
-    assert_eq!(coupled.positions(), position);
+    assert_eq!(coupled.dem().positions(), position);
     assert_ne!(coupled.dem().storage().position, position, "storage order is another");
     assert!(coupled.fluid_force().iter().all(|f| *f == Vec3::zeros()));
     coupled.saturate(drained(1e-3, every(10)));
     // At rest nothing flows: the second step has velocities.
     course(&mut coupled, 2, 1e-6);
     let (fluid, contact, velocity) =
-        (coupled.fluid_force(), coupled.contact_force(), coupled.velocities());
+        (coupled.fluid_force(), coupled.dem().forces(), coupled.dem().velocities());
     let particles = coupled.dem().storage();
     let flow = coupled.flow().unwrap();
     for (k, &id) in particles.id.iter().enumerate() {

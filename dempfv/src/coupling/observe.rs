@@ -85,37 +85,13 @@ impl Coupled {
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
 
-    /// Values of single spheres by the user's numbers.
-    fn by_user<T: Copy + Default>(&self, values: impl IntoIterator<Item = T>) -> Vec<T> {
-        let id = &self.dem.storage().id;
-        let mut by_user = vec![T::default(); id.len()];
-        for (&id, value) in id.iter().zip(values) {
-            by_user[id as usize] = value;
-        }
-        by_user
-    }
-
-    /// Centre of each sphere (m), by the user's numbers.
-    pub fn positions(&self) -> Vec<Vec3> {
-        self.by_user(self.dem.storage().position.iter().copied())
-    }
-
-    /// Velocity of each sphere (m/s), by the user's numbers; half a time step
-    /// behind the positions.
-    pub fn velocities(&self) -> Vec<Vec3> {
-        self.by_user(self.dem.storage().velocity.iter().copied())
-    }
-
-    /// Force of the contacts on each sphere in the last step (N), by the
-    /// user's numbers.
-    pub fn contact_force(&self) -> Vec<Vec3> {
-        self.by_user(self.dem.forces().iter().copied())
-    }
-
     /// The fluid's force on each sphere in the last step (N), by the user's
     /// numbers; zero where the pores are empty.
     pub fn fluid_force(&self) -> Vec<Vec3> {
-        self.by_user(self.flow().into_iter().flat_map(|flow| flow.force().iter().copied()))
+        match self.flow() {
+            Some(flow) => self.dem.by_number(flow.force()),
+            None => vec![Vec3::zeros(); self.dem.len()],
+        }
     }
 
     /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
@@ -133,7 +109,8 @@ impl Coupled {
             }
         }
         let mean = |(weighted, volume)| if volume > 0.0 { weighted / volume } else { 0.0 };
-        self.by_user(sums.into_iter().map(mean))
+        let pressure: Vec<f64> = sums.into_iter().map(mean).collect();
+        self.dem.by_number(&pressure)
     }
 
     /// Pressure of the pore that contained each watched point when the network was built

@@ -12,6 +12,7 @@ use super::options::Acceleration;
 use super::saturation::Saturation;
 use super::time_step::AutoTimeStep;
 use crate::Vec3;
+use crate::dem::law::{ContactLaw, Linear};
 use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, WallMaterial};
 
 /// What a [`CoupledState`] says it is.
@@ -146,7 +147,20 @@ impl Coupled {
         state: CoupledState,
         builder: Arc<dyn NetworkBuilder>,
     ) -> Result<Coupled> {
-        let (mut coupled, progress) = Coupled::mechanics_of(state)?;
+        Coupled::from_state_with_law(state, Linear, builder)
+    }
+
+    /// As [`Coupled::from_state`], for spheres in contact by `law`, with networks built by
+    /// `builder`. What parameters the law has beside the materials is the caller's to know.
+    ///
+    /// # Errors
+    /// As [`Coupled::from_state`]; a state of another law is refused.
+    pub fn from_state_with_law(
+        state: CoupledState,
+        law: impl ContactLaw,
+        builder: Arc<dyn NetworkBuilder>,
+    ) -> Result<Coupled> {
+        let (mut coupled, progress) = Coupled::mechanics_of(state, law)?;
         coupled.build_with(builder);
         coupled.take_up(progress)?;
         Ok(coupled)
@@ -154,7 +168,10 @@ impl Coupled {
 
     /// First half of [`Coupled::from_state`]: the mechanics, which the caller
     /// may still change, with the pores empty.
-    pub(crate) fn mechanics_of(state: CoupledState) -> Result<(Coupled, Progress)> {
+    pub(crate) fn mechanics_of(
+        state: CoupledState,
+        law: impl ContactLaw,
+    ) -> Result<(Coupled, Progress)> {
         let CoupledState { kind, version, parameters, dem, contact_forces, progress } = state;
         if (kind.as_str(), version) != (KIND, VERSION) {
             let (expected_kind, expected_version) = (KIND, VERSION);
@@ -166,7 +183,7 @@ impl Coupled {
             });
         }
         let Parameters { material, wall_material, options, .. } = parameters;
-        let mut dem = Dem::from_state(dem, material, wall_material, options)?;
+        let mut dem = Dem::with_law_from_state(law, dem, material, wall_material, options)?;
         dem.set_contact_forces(contact_forces)?;
         let mut coupled = Coupled::new(dem);
         coupled.accelerate(parameters.acceleration);

@@ -12,6 +12,7 @@ use crate::coupling::{
     Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
     TimeStepBounds,
 };
+use crate::dem::law::Linear;
 use crate::scene::{Plan, Stage};
 use crate::{Error, InputError, Result};
 
@@ -100,7 +101,7 @@ impl Simulation {
         check_stages(&plan, &state)?;
         let mut saved = state.coupled;
         saved.parameters = parameters(&plan, saved.parameters);
-        let (mut coupled, progress) = Coupled::mechanics_of(saved)?;
+        let (mut coupled, progress) = Coupled::mechanics_of(saved, Linear)?;
         coupled.build_with(builder);
         let mut active = state.active;
         if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
