@@ -108,6 +108,9 @@ impl ConjugateGradients {
             let curvature = self.turn(a, beta);
             // Nothing is left, or nothing can be told apart from round-off.
             if curvature <= 0.0 {
+                if fall == 0.0 {
+                    went.error = 0.0;
+                }
                 break;
             }
             alpha = fall / curvature;
