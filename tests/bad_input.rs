@@ -450,7 +450,8 @@ fn json_goes_where_it_was_sent() {
         assert!(output.status.success());
         String::from_utf8(output.stdout).unwrap()
     };
-    let on_stdout: serde_json::Value = serde_json::from_str(&run(&["--json", "-", "--threads", "1"])).unwrap();
+    let on_stdout: serde_json::Value =
+        serde_json::from_str(&run(&["--json", "-", "--threads", "1"])).unwrap();
     let text = run(&["--json", "report.json", "--threads", "1"]);
     assert!(text.contains("effects on") && text.contains("time step"));
     let in_file = fs::read_to_string(folder.0.join("report.json")).unwrap();

@@ -5,6 +5,7 @@ use std::fmt;
 use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::pressure_solver::{PressureProblem, PressureSolver};
+use super::terms::{FluidTerm, PoreSource, Sources, Terms};
 use super::{
     BuildTimes, Fluid, ImposedPressure, Network, Operators, PfvError, ReusableAnalysis,
     TransferSource,
@@ -57,6 +58,7 @@ pub struct Flow {
     geometry: Option<Box<GeometryUpdate>>,
     pressure: Vec<f64>,
     volume_rate: Vec<f64>,
+    terms: Terms,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
@@ -108,6 +110,7 @@ impl Flow {
             geometry: None,
             pressure,
             volume_rate: vec![0.0; pores],
+            terms: Terms::default(),
             force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
             radius,
@@ -241,8 +244,9 @@ impl Flow {
     /// # Errors
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<(), PfvError> {
-        let Flow { operators, volume_rate, extrapolation, pressure, solver, .. } = self;
-        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        let Flow { operators, volume_rate, terms, extrapolation, pressure, solver, .. } = self;
+        let demand = terms.demand(volume_rate);
+        let problem = PressureProblem { operators, demand, extrapolation, pressure };
         if operators.unknowns() < SERIAL {
             solver.solve(problem)
         } else {
@@ -261,8 +265,11 @@ impl Flow {
     /// # Errors
     /// When an application fails, or a pressure is not finite.
     pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations, PfvError> {
-        let Flow { operators, volume_rate, extrapolation, pressure, solver, geometry, .. } = self;
-        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        let Flow {
+            operators, volume_rate, terms, extrapolation, pressure, solver, geometry, ..
+        } = self;
+        let demand = terms.demand(volume_rate);
+        let problem = PressureProblem { operators, demand, extrapolation, pressure };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
         solver.iterate(problem, weakened, tolerance)
     }
@@ -335,6 +342,69 @@ impl Flow {
         }
     }
 
+    /// Takes a term into the balance of the pores, in the place of one of the same name: from the
+    /// next solve on, of this network.
+    pub fn set_term(&mut self, term: Box<dyn FluidTerm>) {
+        self.terms.set(term);
+    }
+
+    /// Takes a term out of the balance. Returns whether there was one of this name.
+    pub fn remove_term(&mut self, name: &str) -> bool {
+        self.terms.remove(name)
+    }
+
+    /// Names of the terms in the balance beside throats and motion.
+    pub fn terms(&self) -> impl Iterator<Item = &'static str> {
+        self.terms.names()
+    }
+
+    /// Lets fluid enter pores of choice, in the place of earlier sources (none takes these out); `position` has the
+    /// sphere centres (m) that the network was built of. Another network has other pores: who
+    /// builds one sets its sources.
+    ///
+    /// ```
+    /// use dempfv::pfv::terms::PoreSource;
+    /// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, PoreSelection};
+    /// use dempfv::solver::SolverKind;
+    /// use dempfv::{Aabb, Vec3, WallId};
+    ///
+    /// // A box that is open at the top; a litre an hour enters in a corner of the bottom.
+    /// let mut boundary = Boundary::default();
+    /// boundary.pressure[WallId::YMax] = Some(0.0);
+    /// let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
+    /// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
+    /// let x = [Vec3::new(0.3, 0.3, 0.4), Vec3::new(0.7, 0.6, 0.6)];
+    /// let mut flow = Flow::new(&x, &[0.2, 0.2], bounds, &fluid, SolverKind::default())?;
+    /// let rate = 1e-3 / 3600.0;
+    /// let tube = PoreSelection::Around { center: Vec3::zeros(), radius: 0.3 };
+    /// flow.set_sources(&x, &[PoreSource { pores: tube, rate }])?;
+    /// flow.solve_static()?;
+    /// assert!((flow.flux()[WallId::YMax.index()] + rate).abs() < 1e-10 * rate);
+    /// # Ok::<(), dempfv::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Sources::new`]; for another number of spheres.
+    pub fn set_sources(
+        &mut self,
+        position: &[Vec3],
+        sources: &[PoreSource],
+    ) -> Result<(), PfvError> {
+        self.require_one_per_sphere("position", position.len())?;
+        let sources = Sources::new(&self.network, self.operators.conditions(), position, sources)?;
+        if sources.is_empty() {
+            self.remove_term(Sources::NAME);
+        } else {
+            self.set_term(Box::new(sources));
+        }
+        Ok(())
+    }
+
+    /// What throats brought to each pore in the last solve (m³/s).
+    fn demand(&self) -> &[f64] {
+        self.terms.last_demand(&self.volume_rate)
+    }
+
     /// Volume of each pore when the network was built (m³).
     pub fn built_volume(&self) -> &[f64] {
         match &self.geometry {
@@ -365,14 +435,14 @@ impl Flow {
 
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self) -> [f64; 6] {
-        self.operators.flux(&self.pressure, &self.volume_rate)
+        self.operators.flux(&self.pressure, self.demand())
     }
 
     /// Flux from the pores of each of [`Flow::imposed_pressures`], positive into the box
     /// (m³/s).
     pub fn imposed_flux(&self) -> Vec<f64> {
         let mut flux = vec![0.0; self.operators.conditions().sets()];
-        self.operators.write_flux(&self.pressure, &self.volume_rate, &mut flux);
+        self.operators.write_flux(&self.pressure, self.demand(), &mut flux);
         flux.split_off(6)
     }
 
@@ -404,12 +474,13 @@ impl Flow {
     }
 
     /// Permeability between two walls with imposed pressures, from the current
-    /// pressures. `None` before a solve, and unless `wall` and the opposite wall, and nothing
-    /// else, have imposed pressures and these differ.
+    /// pressures. `None` before a solve, with terms beside throats and motion, and unless `wall`
+    /// and the opposite wall, and nothing else, have imposed pressures and these differ.
     pub fn permeability(&self, wall: WallId) -> Option<Permeability> {
         let imposed = &self.fluid.boundary.pressure;
         let drop = imposed[wall]? - imposed[wall.opposite()]?;
         let others = imposed.values().flatten().count() != 2 || !self.imposed.is_empty();
+        let others = others || self.terms().next().is_some();
         if drop == 0.0 || others || !self.solver.statistics.solved {
             return None;
         }

@@ -35,6 +35,7 @@ mod pore_conditions;
 mod pressure_solver;
 mod reusable_analysis;
 mod slabs;
+pub mod terms;
 mod tessellation;
 mod throat;
 mod throat_batch;

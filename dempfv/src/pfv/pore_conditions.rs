@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Boundary, NONE, Network, PfvError};
-use crate::{Aabb, Vec3, WallId};
+use crate::{Vec3, WallId};
 
 /// Some of a network's pores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +17,20 @@ pub enum PoreSelection {
         /// The distance (m).
         radius: f64,
     },
+}
+
+impl PoreSelection {
+    /// The numbers of the pores, of a network that was built of spheres at `position` (m).
+    pub(super) fn select(&self, network: &Network, position: &[Vec3]) -> Vec<u32> {
+        match self {
+            PoreSelection::Pores(numbers) => numbers.clone(),
+            PoreSelection::Around { center, radius } => {
+                let centroids = network.centroids(position, &network.bounds);
+                let near = |x: &Vec3| (x - center).norm() <= *radius;
+                (0u32..).zip(&centroids).filter(|(_, x)| near(x)).map(|(i, _)| i).collect()
+            }
+        }
+    }
 }
 
 /// A pressure imposed on pores of choice, such as those around the tip of an injection tube.
@@ -76,7 +90,7 @@ impl PoreConditions {
                 format!("{pressure} is not finite"),
             ));
         }
-        let selected = select(pores, network, position, &network.bounds);
+        let selected = pores.select(network, position);
         if selected.is_empty() {
             let which = (set - 6) as usize;
             return Err(wrong("imposed pressure", Some(which), "selects no pore".to_owned()));
@@ -127,15 +141,4 @@ fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u32 
     let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
     let imposing = walls.filter(|&wall| boundary.pressure[wall].is_some());
     imposing.map(|wall: WallId| wall.index() as u32).max().unwrap_or(FREE)
-}
-
-fn select(pores: &PoreSelection, network: &Network, position: &[Vec3], bounds: &Aabb) -> Vec<u32> {
-    match pores {
-        PoreSelection::Pores(numbers) => numbers.clone(),
-        PoreSelection::Around { center, radius } => {
-            let centroids = network.centroids(position, bounds);
-            let near = |x: &Vec3| (x - center).norm() <= *radius;
-            (0u32..).zip(&centroids).filter(|(_, x)| near(x)).map(|(i, _)| i).collect()
-        }
-    }
 }

@@ -47,11 +47,11 @@ pub(super) struct SolveStatistics {
     pub solved: bool,
 }
 
-/// What is solved for: pressures for these volume rates.
+/// What is solved for: pressures for these demands.
 pub(super) struct PressureProblem<'a> {
     pub operators: &'a Operators,
-    /// Of each pore (m³/s).
-    pub volume_rate: &'a [f64],
+    /// What the throats of each pore must bring (m³/s): its growth, and what terms take up.
+    pub demand: &'a [f64],
     /// Of the unknowns, with what came before.
     pub extrapolation: &'a mut Extrapolation,
     /// Of all pores (Pa).
@@ -85,19 +85,19 @@ impl PressureSolver {
     /// until the tolerance holds.
     pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, volume_rate, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
         extrapolation.predict(&operators.pore_of, pressure);
-        let net_rate = NetVolumeRate::of(volume_rate);
+        let net_rate = NetVolumeRate::of(demand);
         let gain_is_due = extrapolation.gain_is_due();
         let Some(factor) = self.factor.as_deref_mut() else {
-            operators.write_flux(pressure, volume_rate, &mut self.flux);
+            operators.write_flux(pressure, demand, &mut self.flux);
             self.statistics.imbalance = net_rate.imbalance(&self.flux);
             extrapolation.solved();
             check_finite(pressure)?;
             self.statistics.solved = true;
             return Ok(());
         };
-        let problem = PressureProblem { operators, volume_rate, extrapolation, pressure };
+        let problem = PressureProblem { operators, demand, extrapolation, pressure };
         let mut refined = RefinedPressures {
             factor,
             problem,
@@ -131,12 +131,12 @@ impl PressureSolver {
         tolerance: f64,
     ) -> Result<Iterations, PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, volume_rate, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
         let mut went = Iterations::default();
         if let Some(factor) = self.factor.as_deref_mut() {
             extrapolation.predict(&operators.pore_of, pressure);
             self.scattered.resize(pressure.len(), 0.0);
-            operators.residual(pressure, volume_rate, &mut self.rhs);
+            operators.residual(pressure, demand, &mut self.rhs);
             let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
             let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
             let mut factor = AgedFactor { factor, weakened };
@@ -145,8 +145,8 @@ impl PressureSolver {
         }
         extrapolation.solved();
         operators.pressures(&extrapolation.now, pressure);
-        operators.write_flux(pressure, volume_rate, &mut self.flux);
-        self.statistics.imbalance = NetVolumeRate::of(volume_rate).imbalance(&self.flux);
+        operators.write_flux(pressure, demand, &mut self.flux);
+        self.statistics.imbalance = NetVolumeRate::of(demand).imbalance(&self.flux);
         check_finite(pressure)?;
         self.statistics.solved = true;
         Ok(went)
@@ -203,8 +203,8 @@ struct RefinedPressures<'a> {
 
 impl Refinement for RefinedPressures<'_> {
     fn evaluate_residual(&mut self) {
-        let PressureProblem { operators, volume_rate, pressure, .. } = &self.problem;
-        operators.residual(pressure, volume_rate, self.rhs);
+        let PressureProblem { operators, demand, pressure, .. } = &self.problem;
+        operators.residual(pressure, demand, self.rhs);
     }
 
     fn evaluate_correction(&mut self) -> Result<(), SolverError> {
@@ -220,11 +220,11 @@ impl Refinement for RefinedPressures<'_> {
     /// Enough is enough when both the imbalance of fluid mass and the error are small; the
     /// error is known by what a correction has been seen to leave.
     fn correct(&mut self, round: usize) -> ControlFlow<()> {
-        let PressureProblem { operators, volume_rate, extrapolation, pressure } = &mut self.problem;
+        let PressureProblem { operators, demand, extrapolation, pressure } = &mut self.problem;
         let Sizes { change, pressure: largest } =
             extrapolation.correct(self.correction, &operators.pore_of, pressure);
         self.largest = largest;
-        operators.write_flux(pressure, volume_rate, self.flux);
+        operators.write_flux(pressure, demand, self.flux);
         self.statistics.imbalance = self.net_rate.imbalance(self.flux);
         if round == 1 {
             extrapolation.observe_gain(change, self.last_change);

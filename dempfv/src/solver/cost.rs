@@ -125,7 +125,7 @@ impl Cost {
 /// specimens in coupled motion.
 const PREDICTION_ERROR: f64 = 2e-3;
 
-/// A backend's constants. All times are those of [`MEASURED_THREADS`].
+/// A backend's constants. All times are those of two threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostModel {
     /// Ordering by minimum cuts (s per n log₂ n).
