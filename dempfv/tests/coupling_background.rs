@@ -162,7 +162,7 @@ fn the_strain_stays_below_its_limit() {
         let mut largest = 0.0f64;
         for _ in 0..1500 {
             coupled.step(0.1 * DT).unwrap();
-            let network = &coupled.flow().unwrap().network();
+            let network = &coupled.storage_flow().unwrap().network();
             let now = network.volumes_at(&coupled.dem().storage().position, &coupled.dem().box_());
             let strains = now.iter().zip(&network.volume).map(|(now, v)| ((now - v) / v).abs());
             largest = largest.max(strains.fold(0.0, f64::max));
@@ -251,10 +251,10 @@ fn draining_cancels_what_is_on_its_way() {
     let mut coupled = moving(4, every(10), mode(Background));
     course(&mut coupled, 7, DT);
     coupled.drain();
-    assert!(coupled.flow().is_none());
+    assert!(coupled.storage_flow().is_none());
     course(&mut coupled, 3, DT);
     coupled.saturate(drained(1.0, every(10)));
     course(&mut coupled, 30, DT);
     assert_eq!(coupled.remeshes(), 1 + 3);
-    assert!(coupled.flow().unwrap().force().iter().any(|f| *f != Vec3::zeros()));
+    assert!(coupled.storage_flow().unwrap().force().iter().any(|f| *f != Vec3::zeros()));
 }

@@ -106,7 +106,7 @@ fn the_settlement_is_the_volume_drained() {
     while simulation.stage().is_some() {
         let before = simulation.observe().size[1];
         simulation.advance().unwrap();
-        let flow = simulation.coupled().flow().unwrap();
+        let flow = simulation.coupled().storage_flow().unwrap();
         let flux = flow.flux();
         assert_eq!([0, 1, 2, 4, 5].map(|w| flux[w]), [0.0; 5], "only the top is open");
         steps += 1;

@@ -139,7 +139,7 @@ fn a_hidden_sphere_still_carries_contacts() {
     let before = coupled.dem().storage().position[at];
     for step in 0..20 {
         coupled.step(1e-5).unwrap();
-        let flow = coupled.flow().unwrap();
+        let flow = coupled.storage_flow().unwrap();
         assert_eq!(flow.network().tessellation.hidden, [at as u32], "step {step}");
         assert_eq!(flow.force()[at], Vec3::zeros());
         let touching = coupled.dem().contacts().filter(|c| {

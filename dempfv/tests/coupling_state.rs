@@ -84,7 +84,7 @@ fn lists_are_by_the_users_numbers() {
     let (fluid, contact, velocity) =
         (coupled.fluid_force(), coupled.dem().forces(), coupled.dem().velocities());
     let particles = coupled.dem().storage();
-    let flow = coupled.flow().unwrap();
+    let flow = coupled.storage_flow().unwrap();
     for (k, &id) in particles.id.iter().enumerate() {
         assert_eq!(fluid[id as usize], flow.force()[k]);
         assert_eq!(contact[id as usize], coupled.dem().storage_forces()[k]);

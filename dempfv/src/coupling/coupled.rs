@@ -30,10 +30,10 @@ const SPINNING_SPHERES: usize = 2_000;
 /// A step follows eqs. 1 to 13 of Caulk 2020: contacts, `V̇ = E v`,
 /// `G p = -V̇ + Q`, `f = F p`, integration.
 ///
-/// The spheres are kept in spatial order. What [`Coupled::dem`] and
-/// [`Coupled::flow`] tell of single spheres is in that storage order;
-/// [`Particles::id`](crate::dem::Particles::id) has the user's numbers. What
-/// `Coupled` itself tells of single spheres is by the user's numbers.
+/// Spheres have the numbers that the user gave them. In memory they lie in an order in space:
+/// what has `storage` in its name, as [`Coupled::storage_flow`] and
+/// [`Dem::storage`](crate::dem::Dem::storage), is in that order, and
+/// [`Dem::by_number`](crate::dem::Dem::by_number) brings it into the user's.
 pub struct Coupled {
     pub(super) dem: Dem,
     pub(super) saturation: Option<Saturation>,
@@ -76,7 +76,6 @@ impl Coupled {
     }
 
     /// The mechanics, to be looked at; [`Coupled::controls`] changes them.
-    /// Arrays per sphere are in storage order.
     pub fn dem(&self) -> &Dem {
         &self.dem
     }
@@ -309,9 +308,10 @@ impl Coupled {
         self.phases.book_build(times);
     }
 
-    /// The flow of the last step; `None` where the pores are empty. Arrays per
-    /// sphere are in storage order, see [`Coupled`].
-    pub fn flow(&self) -> Option<&Flow> {
+    /// The flow of the last step, whose spheres are in storage order; `None` where the pores are
+    /// empty. [`Coupled::fluid_force`] and [`Coupled::pressure_at_spheres`] go by the user's
+    /// numbers.
+    pub fn storage_flow(&self) -> Option<&Flow> {
         self.remesher.current.as_ref().map(|network| &network.flow)
     }
 

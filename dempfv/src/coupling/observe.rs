@@ -39,7 +39,7 @@ impl Coupled {
     pub fn observe(&self) -> Observation {
         let dem = &self.dem;
         let bounds = dem.box_();
-        let flow = self.flow();
+        let flow = self.storage_flow();
         let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
         let stress = |force: Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
         let contact_force = dem.wall_force();
@@ -65,12 +65,12 @@ impl Coupled {
     /// Mean resultant force on the spheres, the fluid's included, over the
     /// mean contact force (1).
     pub fn unbalanced_force(&self) -> f64 {
-        self.dem.unbalanced_force(self.flow().map(|f| f.force()))
+        self.dem.unbalanced_force(self.storage_flow().map(|f| f.force()))
     }
 
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
     pub fn mean_pressure(&self) -> f64 {
-        self.flow().map_or(0.0, |f| {
+        self.storage_flow().map_or(0.0, |f| {
             let volume: f64 = f.network().volume.iter().sum();
             let weighted: f64 =
                 f.pressure().iter().zip(&f.network().volume).map(|(p, v)| p * v).sum();
@@ -80,7 +80,7 @@ impl Coupled {
 
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
-        let fluid = self.flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
+        let fluid = self.storage_flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
         let force = self.dem.wall_force()[wall] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
@@ -88,7 +88,7 @@ impl Coupled {
     /// The fluid's force on each sphere in the last step (N), by the user's
     /// numbers; zero where the pores are empty.
     pub fn fluid_force(&self) -> Vec<Vec3> {
-        match self.flow() {
+        match self.storage_flow() {
             Some(flow) => self.dem.by_number(flow.force()),
             None => vec![Vec3::zeros(); self.dem.len()],
         }
@@ -98,7 +98,7 @@ impl Coupled {
     /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
     pub fn pressure_at_spheres(&self) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.dem.storage().len()];
-        if let Some(flow) = self.flow() {
+        if let Some(flow) = self.storage_flow() {
             let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
             for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
                 for &vertex in cell {

@@ -287,7 +287,7 @@ impl Simulation {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&i| particles.id[i]);
         let vectors = order.iter().flat_map(|&i| [particles.position[i], particles.velocity[i]]);
-        let pressures = self.coupled.flow().map_or(&[][..], |f| f.pressure());
+        let pressures = self.coupled.storage_flow().map_or(&[][..], |f| f.pressure());
         let numbers = vectors.flat_map(|v| [v.x, v.y, v.z]).chain(pressures.iter().copied());
         // FNV-1a, 64 bits.
         let hash = numbers

@@ -57,7 +57,7 @@ impl Stability {
         let bounds = coupled.time_step_bounds();
         let id = &coupled.dem().storage().id;
         let mode = coupled.viscous_mode();
-        let flow = coupled.flow();
+        let flow = coupled.storage_flow();
         Ok(Some(Stability {
             bounds,
             rule: bounds.rule(),

@@ -65,7 +65,7 @@ pub fn moving(n: usize, rule: RemeshRule, acceleration: Acceleration) -> Coupled
 pub fn bits(coupled: &Coupled) -> u64 {
     let p = coupled.dem().storage();
     let vectors = p.position.iter().chain(&p.velocity);
-    let pressure = coupled.flow().map_or(&[][..], |f| f.pressure());
+    let pressure = coupled.storage_flow().map_or(&[][..], |f| f.pressure());
     let fold =
         |h: u64, x: f64| (h ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(7);
     let h = vectors.flat_map(|v: &Vec3| [v.x, v.y, v.z]).fold(1, fold);

@@ -85,7 +85,7 @@ fn motion(
     m: &StressPath,
 ) -> Result<()> {
     let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
-    let wet = simulation.coupled().flow().is_some();
+    let wet = simulation.coupled().storage_flow().is_some();
     let axis = match until {
         Some(StageKind::Run(run)) => match run.until {
             Until::Strain { axis, .. } => Some(axis),
@@ -140,7 +140,7 @@ fn motion(
 /// A cut through the middle of the packing, coloured by pore pressure.
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
-    let Some(flow) = coupled.flow() else { return Ok(()) };
+    let Some(flow) = coupled.storage_flow() else { return Ok(()) };
     let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
     let (points, cells) = dempfv::io::vtk::pore_cells(flow.network(), &particles.position, &bounds);

@@ -109,7 +109,7 @@ impl Frames {
         let (step, time) = (simulation.step(), simulation.time());
         let coupled = simulation.coupled();
         let particles = coupled.dem().storage();
-        let fluid = coupled.flow().map(|f| f.force());
+        let fluid = coupled.storage_flow().map(|f| f.force());
         let force: Vec<Vec3> = match fluid {
             Some(fluid) => {
                 coupled.dem().storage_forces().iter().zip(fluid).map(|(a, b)| a + b).collect()
@@ -126,7 +126,7 @@ impl Frames {
         };
         vtk::write_spheres(&folder.join(&name), &frame)?;
         self.spheres.push(time, &name)?;
-        let Some(flow) = coupled.flow() else { return Ok(()) };
+        let Some(flow) = coupled.storage_flow() else { return Ok(()) };
         let bounds = coupled.dem().box_();
         let (points, cells) = vtk::pore_cells(flow.network(), &particles.position, &bounds);
         let volume = flow.network().volumes_at(&particles.position, &bounds);

@@ -150,7 +150,7 @@ fn gpu_line(gpu: &GpuUse) -> String {
 }
 
 fn hidden(coupled: &Coupled) -> Vec<u32> {
-    let Some(flow) = coupled.flow() else { return vec![] };
+    let Some(flow) = coupled.storage_flow() else { return vec![] };
     let id = &coupled.dem().storage().id;
     let mut numbers: Vec<u32> =
         flow.network().tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
@@ -184,7 +184,7 @@ fn with_outcomes_inline<S: Serializer>(
 /// Pores and unknowns of the current network; where there is none, of the
 /// last static flow.
 fn networks(simulation: &Simulation) -> (usize, usize) {
-    if let Some(flow) = simulation.coupled().flow() {
+    if let Some(flow) = simulation.coupled().storage_flow() {
         return (flow.network().pores(), flow.operators().unknowns());
     }
     let test = simulation.outcomes().iter().rev().find_map(|o| match &o.outcome {

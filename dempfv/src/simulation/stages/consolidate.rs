@@ -107,7 +107,7 @@ impl State {
         context.step()?;
         self.steps += 1;
         let now = self.time_factor(context.clock);
-        let Some(flow) = context.coupled.flow() else { return Ok(Progress::Running) };
+        let Some(flow) = context.coupled.storage_flow() else { return Ok(Progress::Running) };
         if self.steps == 1 {
             self.result.drained_share = drained_share(flow, self.drained, self.result.height_m);
         }

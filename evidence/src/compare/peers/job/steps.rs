@@ -67,14 +67,15 @@ impl Run {
             done.step_s.push(start.elapsed().as_secs_f64());
             let solve: Duration = spent(&simulation) - before;
             done.solve_s.push(solve.as_secs_f64());
-            if let Some(flow) = simulation.coupled().flow().filter(|_| self.checks.contains(&step))
+            if let Some(flow) =
+                simulation.coupled().storage_flow().filter(|_| self.checks.contains(&step))
             {
                 let (error, residual) = check(flow)?;
                 done.pressure_errors.push(error);
                 done.residuals.push(residual);
             }
         }
-        if let Some(flow) = simulation.coupled().flow() {
+        if let Some(flow) = simulation.coupled().storage_flow() {
             done.pores = flow.network().pores() as f64;
             done.unknowns = flow.operators().unknowns() as f64;
             done.nnz_l = flow.nnz_l() as f64;
