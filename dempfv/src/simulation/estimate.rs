@@ -134,6 +134,8 @@ impl Estimate {
             TimeStep::Fixed(dt) => dt,
             TimeStep::Auto => bounds.automatic(dem.safety),
         });
+        // The picture of a section is drawn while the last network is still there.
+        let picture = if coupled && plan.output.pictures { PICTURE_BYTES } else { 0.0 };
         let dry = dry_step(specimen.spheres, threads);
         let coupled_step = flow.as_ref().zip(fluid).filter(|_| coupled).map(|(flow, fluid)| {
             let step = dry + flow.step(fluid);
@@ -146,6 +148,7 @@ impl Estimate {
             factor_entries: flow.as_ref().map_or(0, |f| f.cost.fill.nnz_l as usize),
             counted: specimen.pores.is_some() && specimen.unknowns.is_some(),
             memory: BASE_BYTES
+                + picture
                 + BYTES_PER_SPHERE * specimen.spheres as f64
                 + flow.as_ref().zip(fluid).map_or(0.0, |(flow, fluid)| flow.bytes(fluid)),
             bounds,
@@ -218,6 +221,8 @@ const BACKGROUND_REMESH: f64 = 1.5;
 
 /// The program and its libraries (bytes).
 const BASE_BYTES: f64 = 12e6;
+/// A picture of pressures in a section: its points, and what they are drawn from.
+const PICTURE_BYTES: f64 = 13e6;
 /// State, contacts, neighbour list.
 const BYTES_PER_SPHERE: f64 = 1200.0;
 /// Network, operators, matrix, and what they are made with.
@@ -379,7 +384,8 @@ mod tests {
     }
 
     /// Scene, spheres, pores, unknowns, bytes.
-    const MEASURED_BYTES: [(&str, usize, usize, usize, f64); 4] = [
+    const MEASURED_BYTES: [(&str, usize, usize, usize, f64); 5] = [
+        ("first.toml", 1_000, 5_681, 5_487, 36.9e6),
         ("caulk2020.toml", 5_000, 29_318, 28_792, 71.5e6),
         ("caulk2020.toml", 20_000, 119_578, 118_204, 235.2e6),
         ("permeability.toml", 1_000, 5_685, 5_305, 22.4e6),
