@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use common::settled;
 use dempfv::coupling::{
-    Coupled, CoupledState, CouplingError, NetworkBuilder, NetworkRequest, RemeshMode,
-    StandardBuilder,
+    Acceleration, Coupled, CoupledState, CouplingError, NetworkBuilder, NetworkRequest, RemeshMode,
+    StandardBuilder, Update,
 };
 use dempfv::pfv::{Flow, PfvError};
 use dempfv::solver::SolverError;
@@ -134,6 +134,29 @@ fn parameters_may_change_where_a_state_is_taken_up() {
     coupled.step(DT).unwrap();
     let ratio = thicker.observe().largest_pressure / coupled.observe().largest_pressure;
     assert!((ratio - 2.0).abs() < 1e-9, "{ratio}");
+}
+
+/// Whether the network follows the spheres may change too, both ways: the network goes on from the
+/// positions that it was built of, or from those of the moment, and every solve still balances the
+/// fluid to its tolerance (1e-11 by the factor, 1e-6 by iteration).
+#[test]
+fn following_may_begin_and_end_where_a_state_is_taken_up() {
+    let with = |update| Acceleration { update, ..mode(RemeshMode::AtOnce) };
+    for (before, after, imbalance) in
+        [(Update::EveryStep, Update::Remesh, 1e-11), (Update::Remesh, Update::EveryStep, 1e-5)]
+    {
+        let mut coupled = moving(3, every(40), with(before));
+        course(&mut coupled, 15, DT);
+        let mut state = coupled.state();
+        state.parameters.acceleration.update = after;
+        let mut again = Coupled::from_state(state).unwrap();
+        for _ in 0..10 {
+            again.step(DT).unwrap();
+            let seen = again.storage_flow().unwrap().imbalance();
+            assert!(seen <= imbalance, "{before:?} to {after:?}: {seen}");
+        }
+        assert_eq!(again.remeshes(), 0, "the premise: no remesh has hidden it");
+    }
 }
 
 /// Counts the networks that it builds; from the second on it fails.

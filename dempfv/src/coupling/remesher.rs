@@ -18,7 +18,7 @@ use super::fluid_state::{FluidState, Snapshot};
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
 use super::network_source::{NetworkSource, RemeshContext};
-use super::options::{Acceleration, OnFailure, RemeshMode, Swap};
+use super::options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
@@ -436,6 +436,10 @@ impl Remesher {
         self.gpu.book(flow.placement());
         if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
             state.volume_change = vec![0.0; flow.network().pores()];
+        }
+        if self.acceleration.update != Update::EveryStep {
+            // From here on the matrix must be the one that was factored.
+            state.followed = None;
         }
         self.put_to_use(flow, state);
         if let Some(network) = &mut self.current {
