@@ -100,8 +100,10 @@ pub struct Estimate {
     /// Bounds on the time step; `None` when nothing moves. Where the viscous
     /// bound of the network is not known, estimates from the smallest sphere.
     pub bounds: Option<TimeStepBounds>,
-    /// Time step (s); `None` when nothing moves.
+    /// Time step of stages without one of their own (s); `None` when nothing moves.
     pub dt: Option<f64>,
+    /// Stages whose time step is fixed above their limit.
+    pub unstable_stages: Vec<UnstableStage>,
     /// Time of a dry step (s); `None` when nothing moves.
     pub dry_step: Option<f64>,
     /// Time of a coupled step with its share of remeshing (s); `None` when nothing couples.
@@ -109,6 +111,31 @@ pub struct Estimate {
     /// Time of one remesh: triangulation, network, ordering, factorization (s); `None`
     /// without flow.
     pub remesh: Option<f64>,
+}
+
+/// A stage whose time step is fixed above its limit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnstableStage {
+    /// The stage's name.
+    pub stage: String,
+    /// Its time step (s).
+    pub dt: f64,
+    /// The largest stable one (s): without the fluid's share in dry stages.
+    pub limit: f64,
+    /// What sets it.
+    pub rule: TimeStepRule,
+}
+
+impl UnstableStage {
+    fn of(plan: &Plan, stage: &Stage, bounds: TimeStepBounds) -> Option<UnstableStage> {
+        let TimeStep::Fixed(dt) = plan.mechanics(stage)?.dt else { return None };
+        let bounds = match stage.kind.is_coupled() {
+            true => bounds,
+            false => TimeStepBounds { viscous: None, viscous_estimate: None, ..bounds },
+        };
+        let (limit, rule) = (bounds.limit(), bounds.rule());
+        (dt > limit).then(|| UnstableStage { stage: stage.name.clone(), dt, limit, rule })
+    }
 }
 
 impl Estimate {
@@ -152,6 +179,9 @@ impl Estimate {
                 + picture
                 + BYTES_PER_SPHERE * specimen.spheres as f64
                 + flow.as_ref().zip(fluid).map_or(0.0, |(flow, fluid)| flow.bytes(fluid)),
+            unstable_stages: bounds.map_or(vec![], |bounds| {
+                plan.stages.iter().filter_map(|s| UnstableStage::of(plan, s, bounds)).collect()
+            }),
             bounds,
             dt,
             dry_step: dem.map(|_| dry),
@@ -168,15 +198,13 @@ impl Estimate {
 
     /// What a user should know before such a run begins.
     pub fn warnings(&self) -> Vec<String> {
-        let limit = self.bounds.map(|bounds| (bounds.limit(), bounds.rule()));
-        let unstable = self.dt.zip(limit).filter(|(dt, (limit, _))| dt > limit);
-        let text = |(dt, (limit, rule)): (f64, (f64, TimeStepRule))| {
+        let text = |UnstableStage { stage, dt, limit, rule }: &UnstableStage| {
             format!(
-                "the time step of {dt:.3e} s is above the limit of about {limit:.3e} s that is set by \
+                "stage \"{stage}\": the time step of {dt:.3e} s is above the limit of about {limit:.3e} s that is set by \
                  {rule}: expect it to blow up; take a smaller dt, or dt = \"auto\""
             )
         };
-        unstable.map(text).into_iter().collect()
+        self.unstable_stages.iter().map(text).collect()
     }
 }
 
@@ -406,6 +434,24 @@ mod tests {
         assert_eq!(estimate(1.1e-6), Vec::<String>::new());
         let [warning] = &estimate(0.9e-6)[..] else { panic!("one warning") };
         assert!(warning.contains("1.000e-6 s") && warning.contains("contacts"), "{warning}");
+    }
+
+    /// A stage's own time step counts, not that of [dem]; a dry stage knows no viscosity.
+    #[test]
+    fn each_stage_is_held_against_its_own_step() {
+        let mut plan = coupled_plan(10, "remesh_interval = 200");
+        let (contact, viscous) = (1.1e-6, Some(1e-9));
+        let bounds = TimeStepBounds { contact, viscous, viscous_estimate: None };
+        let specimen = Specimen { spheres: 10, bounds: Some(bounds), ..Specimen::default() };
+        let warned = |plan: &Plan| Estimate::with_threads(plan, &specimen, 1).warnings().len();
+        assert_eq!(warned(&plan), 1);
+        plan.stages[0].dt = Some(TimeStep::Auto);
+        assert_eq!(warned(&plan), 0);
+        plan.stages[0].dt = Some(TimeStep::Fixed(1e-8));
+        assert_eq!(warned(&plan), 1);
+        let StageKind::Run(run) = &mut plan.stages[0].kind else { panic!("no run stage") };
+        run.fluid = false;
+        assert_eq!(warned(&plan), 0);
     }
 
     /// Measured on settled packings; unknowns and factor with one drained wall, METIS.

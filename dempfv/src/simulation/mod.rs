@@ -28,7 +28,7 @@ mod stability;
 mod stages;
 
 pub use crate::stage_error::StageError;
-pub use estimate::{Estimate, Specimen};
+pub use estimate::{Estimate, Specimen, UnstableStage};
 pub use outcome::{
     Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
     StageOutcome, StressPath, StressPathSample,

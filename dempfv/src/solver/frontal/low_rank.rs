@@ -380,18 +380,15 @@ mod tests {
                 pulp::WithSimd::with_simd(through(), pulp::Scalar128b),
                 pulp::WithSimd::with_simd(through(), pulp::Scalar),
             ] {
-                let (rank, _, kept, down, back) = found.expect("few low_rank are enough");
+                let (rank, _, kept, down, back) = found.expect("few rank-one terms are enough");
                 assert!(rank <= 8, "{width}: {rank}");
                 let mut squares = 0.0;
                 for (k, &entry) in entries.iter().enumerate() {
-                    let exponent_of = rows[k % BLOCK_ROWS] * columns[k / BLOCK_ROWS];
+                    let size = rows[k % BLOCK_ROWS] * columns[k / BLOCK_ROWS];
                     let error = f64::from(down[k] + entry).abs();
-                    assert!(error <= 2e-4 * exponent_of, "{width} {k}: {error:e} {exponent_of:e}");
-                    assert!(
-                        f64::from(back[k] - down[k]).abs() <= 1e-6 * exponent_of,
-                        "{width} {k}"
-                    );
-                    squares += (error / exponent_of).powi(2);
+                    assert!(error <= 2e-4 * size, "{width} {k}: {error:e} {size:e}");
+                    assert!(f64::from(back[k] - down[k]).abs() <= 1e-6 * size, "{width} {k}");
+                    squares += (error / size).powi(2);
                 }
                 let mean = (squares / entries.len() as f64).sqrt();
                 assert!(mean <= 1.1 * f64::from(TRUNCATION_ERROR), "{width}: {mean:e}");
