@@ -25,6 +25,23 @@ pub fn all() -> BTreeMap<&'static str, String> {
     ])
 }
 
+/// The BLAS by name and version, with the processor that its kernels are made for where it
+/// tells: "OpenBLAS 0.3.21, SkylakeX kernels".
+pub fn blas_with_kernels() -> String {
+    with_kernels(&blas::description())
+}
+
+/// OpenBLAS describes itself as name, version, options, kernels and its most threads.
+fn with_kernels(description: &str) -> String {
+    let words: Vec<&str> = description.split_whitespace().collect();
+    match words[..] {
+        ["OpenBLAS", version, .., kernels, most] if most.starts_with("MAX_THREADS") => {
+            format!("OpenBLAS {version}, {kernels} kernels")
+        }
+        _ => description.to_owned(),
+    }
+}
+
 /// The file that provides the BLAS, where the system tells.
 pub fn blas_library() -> Option<String> {
     cholmod_sys::blas::library_path()
@@ -39,4 +56,16 @@ pub fn cholmod_advice() -> Option<String> {
             "the program was built against CHOLMOD {CHOLMOD} but has loaded {loaded}; build it anew"
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_are_told_where_the_blas_tells() {
+        let debian = "OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH NO_AFFINITY Prescott MAX_THREADS=64";
+        assert_eq!(with_kernels(debian), "OpenBLAS 0.3.21, Prescott kernels");
+        assert_eq!(with_kernels("reference BLAS"), "reference BLAS");
+    }
 }

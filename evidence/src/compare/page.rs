@@ -111,8 +111,7 @@ fn head(yade: &str, libraries: &BTreeMap<String, String>) -> String {
             theirs("suitesparse"),
         ),
         ("METIS", ours("metis").to_owned(), theirs("metis")),
-        // Without the options that it was built with.
-        ("BLAS", ours("blas").split(" NO_").next().unwrap_or("").to_owned(), theirs("openblas")),
+        ("BLAS", versions::blas_with_kernels(), theirs("openblas")),
     ];
     for (name, ours, theirs) in rows {
         text += &format!("| {name} | {ours} | {theirs} |\n");

@@ -56,8 +56,7 @@ pub fn write(
 fn head(measured: &Measured, machine: &Machine) -> String {
     let versions = versions::all();
     let of = |name| versions.get(name).map_or("unknown", String::as_str);
-    // Without the options that it was built with.
-    let blas = of("blas").split(" NO_").next().unwrap_or_default();
+    let blas = versions::blas_with_kernels();
     format!(
         "# The paper's accelerations, measured\n\n\
          `dempfv paper` wrote this page and its figures on {}, and `make paper` writes them anew. \

@@ -73,7 +73,7 @@ fn head(contest: &Contest, results: &Results) -> String {
         of("cholmod"),
         of("suitesparse"),
         of("metis"),
-        of("blas").split(" NO_").next().unwrap_or_default(),
+        versions::blas_with_kernels(),
         version(linear::PARDISO_NAME).unwrap_or_else(none),
         version(linear::FAER).unwrap_or_else(none),
     );

@@ -1,4 +1,7 @@
-# The libraries that YADE says it is built from; none where it does not tell.
+# The libraries that YADE says it is built from; none where it does not tell. The kernels of
+# OpenBLAS are those that it has chosen in this process.
+import ctypes
+
 try:
     from yade import libVersions
 
@@ -6,4 +9,11 @@ try:
 except ImportError:
     found = {}
 wanted = ["cgal", "suitesparse", "metis", "openblas", "eigen", "compiler"]
-finish({name: found[name][1].strip() for name in wanted if found.get(name)})
+told = {name: found[name][1].strip() for name in wanted if found.get(name)}
+with open("/proc/self/maps") as maps:
+    files = {line.split()[-1] for line in maps if "libopenblas" in line}
+for file in files:
+    name = ctypes.CDLL(file).openblas_get_corename
+    name.restype = ctypes.c_char_p
+    told["openblas"] = f"{told.get('openblas', 'OpenBLAS')}, {name().decode()} kernels"
+finish(told)
