@@ -59,6 +59,9 @@ fn a_summary_has_what_was_promised() {
     }
     assert_eq!((&s["particles"], &s["threads"]), (&120.into(), &2.into()));
     assert_eq!((&s["solver"], &s["finished"]), (&"auto".into(), &true.into()));
+    assert_eq!(s["solved_by"], "cholmod", "too small for the frontal solver");
+    let stage = &s["stages"][0];
+    assert_eq!((&stage["dt"], number(&stage["damping"])), (&"auto".into(), 0.2));
     assert!(s["unknowns"].as_u64() < s["pores"].as_u64());
     let versions = s["versions"].as_object().unwrap();
     for key in ["dempfv", "git", "suitesparse", "cholmod", "metis", "cgal", "blas"] {

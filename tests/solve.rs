@@ -154,3 +154,14 @@ fn a_matrix_of_no_network_is_solved_by_those_that_can() {
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("use cholmod"));
 }
+
+/// Below the frontal solver's size `auto` is CHOLMOD, and says so.
+#[test]
+fn auto_tells_who_solves() {
+    let folder = Folder::new("auto");
+    let matrix = folder.write("a.mtx", &laplacian(6, 0));
+    let report = folder.0.join("report.json");
+    let out = dempfv(&["solve", &matrix, "--solver", "auto", "--json", report.to_str().unwrap()]);
+    assert!(text(&out.stdout).contains("auto: by cholmod"), "{}", text(&out.stdout));
+    assert_eq!(json(&report)["solvers"][0]["solved_by"], "cholmod");
+}

@@ -69,6 +69,8 @@ struct Refusal {
 #[derive(Debug, Serialize)]
 struct SolverReport {
     solver: &'static str,
+    /// The solver that has the factor: `auto` leaves it to another.
+    solved_by: &'static str,
     #[serde(flatten)]
     analysis: Analysis,
     /// Ordering and symbolic analysis.
@@ -164,6 +166,7 @@ fn measure(
     }
     Ok(SolverReport {
         solver: kind.name(),
+        solved_by: factor.solver(),
         analysis: factor.analysis(),
         analyze_s,
         factor_s,
@@ -235,6 +238,8 @@ impl fmt::Display for Report {
             )
         })?;
         self.refused.iter().try_for_each(|r| writeln!(f, "\n{}: {}", r.solver, r.reason))?;
+        let mut left = self.solvers.iter().filter(|run| run.solver == SolverKind::Auto.name());
+        left.try_for_each(|run| writeln!(f, "\n{}: by {}", run.solver, run.solved_by))?;
         self.solvers.iter().try_for_each(|run| match &run.placement {
             Placement::Cpu => Ok(()),
             Placement::Fallback { reason } => {

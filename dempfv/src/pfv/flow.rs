@@ -468,6 +468,12 @@ impl Flow {
         self.solver.factor().map_or(&NOTHING, |f| f.placement())
     }
 
+    /// Name of the solver that has the factor, where `auto` has chosen one; `None` when
+    /// nothing is unknown.
+    pub fn solved_by(&self) -> Option<&'static str> {
+        self.solver.factor().map(|factor| factor.solver())
+    }
+
     /// Number of entries of the factor; 0 when nothing is unknown.
     pub fn nnz_l(&self) -> u64 {
         self.solver.factor().map_or(0, |f| f.analysis().nnz_l)

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use dempfv::coupling::{Coupled, GpuUse};
+use dempfv::scene::{Dem, TimeStep};
 use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use dempfv_report::table;
 use dempfv_report::{machine, versions};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::remesh::Remesh;
 
@@ -58,15 +59,44 @@ pub struct Report {
     peak_memory_bytes: Option<u64>,
     threads: usize,
     solver: Option<&'static str>,
+    /// The solver that has the last factor: `auto` leaves it to another.
+    solved_by: Option<&'static str>,
     /// What became of the factorizations; `None` unless the solver asks for a GPU.
     gpu: Option<GpuUse>,
     effects: Vec<&'static str>,
     versions: BTreeMap<&'static str, String>,
     state_hash: String,
-    #[serde(serialize_with = "with_outcomes_inline")]
-    stages: Vec<StageOutcome>,
+    stages: Vec<FinishedStage>,
     #[serde(skip)]
     folder: PathBuf,
+}
+
+/// A stage with what it found out as one more key, `consolidate` for example. (Checkpoints
+/// keep the outcome as a field: their encoding has no such keys.)
+#[derive(Serialize)]
+struct FinishedStage {
+    name: String,
+    steps: u64,
+    model_time_s: f64,
+    /// Time step, the stage's own or that of `[dem]`; `None` where nothing moves.
+    dt: Option<TimeStep>,
+    /// Local damping (1), likewise.
+    damping: Option<f64>,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+impl FinishedStage {
+    fn of(mechanics: Option<Dem>, done: &StageOutcome) -> FinishedStage {
+        FinishedStage {
+            name: done.name.clone(),
+            steps: done.steps,
+            model_time_s: done.model_time_s,
+            dt: mechanics.as_ref().map(|m| m.dt),
+            damping: mechanics.map(|m| m.options.damping),
+            outcome: done.outcome.clone(),
+        }
+    }
 }
 
 impl Report {
@@ -83,6 +113,7 @@ impl Report {
         let seen = simulation.observe();
         let (pores, unknowns) = networks(simulation);
         let wall_s = wall.as_secs_f64();
+        let stage = |(stage, done)| FinishedStage::of(plan.mechanics(stage), done);
         Report {
             title: plan.title.clone(),
             finished: status.finished,
@@ -106,6 +137,7 @@ impl Report {
             peak_memory_bytes: machine::own_memory(machine::PEAK),
             threads,
             solver: plan.fluid.as_ref().map(|f| f.solver.name()),
+            solved_by: coupled.storage_flow().and_then(|flow| flow.solved_by()),
             gpu: plan
                 .fluid
                 .as_ref()
@@ -114,7 +146,7 @@ impl Report {
             effects: plan.effects_on(),
             versions: versions::all(),
             state_hash: simulation.state_hash(),
-            stages: simulation.outcomes().to_vec(),
+            stages: plan.stages.iter().zip(simulation.outcomes()).map(stage).collect(),
             folder: folder.to_owned(),
         }
     }
@@ -156,29 +188,6 @@ fn hidden(coupled: &Coupled) -> Vec<u32> {
         flow.network().tessellation.hidden.iter().map(|&i| id[i as usize]).collect();
     numbers.sort_unstable();
     numbers
-}
-
-/// Stages with what they found out as one more key each, `consolidate` for
-/// example. (Checkpoints keep the outcome as a field: their encoding has no
-/// such keys.)
-fn with_outcomes_inline<S: Serializer>(
-    stages: &[StageOutcome],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Inline<'a> {
-        name: &'a str,
-        steps: u64,
-        model_time_s: f64,
-        #[serde(flatten)]
-        outcome: &'a Outcome,
-    }
-    serializer.collect_seq(stages.iter().map(|s| Inline {
-        name: &s.name,
-        steps: s.steps,
-        model_time_s: s.model_time_s,
-        outcome: &s.outcome,
-    }))
 }
 
 /// Pores and unknowns of the current network; where there is none, of the
