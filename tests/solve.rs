@@ -165,3 +165,22 @@ fn auto_tells_who_solves() {
     assert!(text(&out.stdout).contains("auto: by cholmod"), "{}", text(&out.stdout));
     assert_eq!(json(&report)["solvers"][0]["solved_by"], "cholmod");
 }
+
+/// What a right-hand side leaves out is zero, and the solution can be kept: of the Laplacian of
+/// one cell beside that of two, say.
+#[test]
+fn a_sparse_right_hand_side_and_the_solution_as_a_file() {
+    let folder = Folder::new("solution");
+    let head = "%%MatrixMarket matrix coordinate real";
+    let matrix = folder.write("a.mtx", &format!("{head} symmetric\n3 3 3\n1 1 2\n2 2 4\n3 3 5\n"));
+    let rhs = folder.write("b.mtx", &format!("{head} general\n3 1 1\n2 1 8.0\n"));
+    let solution = folder.0.join("x.mtx");
+    let args = ["solve", &matrix, &rhs, "--solution", solution.to_str().unwrap()];
+    let out = dempfv(&args);
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let x = std::fs::read_to_string(&solution).unwrap();
+    assert_eq!(x, "%%MatrixMarket matrix array real general\n3 1\n0e0\n2e0\n0e0\n");
+    let again = dempfv(&args);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("is there already"), "{}", text(&again.stderr));
+}

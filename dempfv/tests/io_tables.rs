@@ -69,12 +69,51 @@ fn what_yade_exports_loads_as_it_is() {
     assert_eq!(tight.max, Vec3::new(1.2, 1.6, 1.2));
 }
 
+/// One sphere at (1, 2, 3) of radius 0.5, in every form that a program writes.
+#[test]
+fn packings_of_other_programs_load() {
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 9\n0 9\n0 9\n\
+                ITEM: ATOMS id x y z diameter\n1 7 7 7 7\n2 8 8 8 8\n\
+                ITEM: TIMESTEP\n9\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 4\n0 5\n0 6\n\
+                ITEM: ATOMS id type x y z diameter\n1 1 1 2 3 1.0\n";
+    for (text, has_box) in [
+        ("1 2 3 .5 -1\n", false),
+        ("#format x_y_z_r_matId\n1\t2\t3\t0.5\t0\n", false),
+        ("#format x_y_z_r_attrs\n1\t2\t3\t0.5\t1.28445\t6\n", false),
+        ("0 Sphere 1 2 3 0.5\n", false),
+        ("x,y,z,radius\n1,2,3,0.5\n", false),
+        ("id; Diameter; X; Y; Z\n7; 1.0; 1; 2; 3\n", false),
+        ("1, 2, 3, 0.5\n", false),
+        ("\u{feff}1.0D0 2.0d+00 3 5d-1\n", false),
+        ("# Box: 0 0 0 4 5 6\n1 2 3 0.5\n", true),
+        ("# BOX= 0 0 0 4 5 6\n1 2 3 0.5\n", true),
+        (dump, true),
+    ] {
+        let p = Packing::parse(text).unwrap_or_else(|e| panic!("{text:?}: {e}"));
+        assert_eq!((&p.position[..], &p.radius[..]), (&[Vec3::new(1.0, 2.0, 3.0)][..], &[0.5][..]));
+        let size = p.bounds.map(|b| [b.size().x, b.size().y, b.size().z]);
+        assert_eq!(size, has_box.then_some([4.0, 5.0, 6.0]), "{text:?}");
+    }
+}
+
 #[test]
 fn a_bad_packing_is_an_error_that_says_where_and_what() {
     for (text, line, what) in [
         ("0 0 0 1\n0 0 1\n", Some(2), "3 columns where 4 are due"),
-        ("0 0 0 1 7\n", Some(1), "5 columns where 4 are due"),
-        ("0,0,0,1\n", Some(1), "`0,0,0,1` is not a number"),
+        ("0 0 0 1 7.5\n", Some(1), "5 columns where 4 are due"),
+        ("0 0 0 1 7\n0 0 0 1\n", Some(2), "4 columns where 5 are due"),
+        ("a,b,c,d\n0,0,0,1\n", Some(1), "the columns `a b c d` have no x, y, z and radius"),
+        ("# Box 0 0 0 1 1\n0 0 0 1\n", Some(1), "5 columns where 6 are due"),
+        (
+            "##PERIODIC:: 1 1 1\n0 0 0 1 -1\n",
+            Some(1),
+            "a periodic packing: its spheres reach past the cell's faces",
+        ),
+        (
+            "ITEM: BOX BOUNDS xy xz yz pp pp pp\n",
+            Some(1),
+            "a triclinic box: its walls are not along the axes",
+        ),
         ("\n0 zero 0 1\n", Some(2), "`zero` is not a number"),
         ("0 0 0 1\n# \n0 NaN 0 1\n", Some(3), "`NaN` is not a finite number"),
         ("0 0 inf 1\n", Some(1), "`inf` is not a finite number"),

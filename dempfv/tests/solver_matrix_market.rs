@@ -52,6 +52,7 @@ fn every_layout_gives_the_same_matrix() {
         "%%matrixmarket MATRIX Array Integer General\n3 3\n4\n-1\n0\n-1\n4\n-2\n0\n-2\n4\n"
             .to_owned(),
         "%%MatrixMarket matrix array real symmetric\n3 3\n4\n-1\n0\n4\n-2\n4\n".to_owned(),
+        "\u{feff}%%MatrixMarket matrix array real symmetric\n3 3\n4\n-1\n0\n4\n-2\n4\n".to_owned(),
     ];
     for (k, text) in layouts.iter().enumerate() {
         let a = read_matrix(&Scratch::new(&format!("layout-{k}"), text).0).unwrap();
@@ -109,6 +110,18 @@ fn each_fault_is_told_with_its_line() {
             2,
             "cannot fill",
         ),
+        (
+            "wide",
+            "%%MatrixMarket matrix array real symmetric\n3 18446744073709551615\n4\n".to_owned(),
+            2,
+            "3 rows and 18446744073709551615 columns",
+        ),
+        (
+            "hollow",
+            "%%MatrixMarket matrix array real general\n0 18446744073709551615\n".to_owned(),
+            2,
+            "0 rows and 18446744073709551615 columns",
+        ),
         ("short", format!("{SYMMETRIC}2 2 3\n1 1 1\n2 2 1\n"), 4, "ends after 2 entries"),
         ("long", format!("{SYMMETRIC}2 2 2\n1 1 1\n2 2 1\n2 1 1\n"), 5, "after the last entry"),
         ("row", format!("{SYMMETRIC}2 2 2\n1 1 1\n3 2 1\n"), 4, "row 3 does not exist"),
@@ -133,7 +146,7 @@ fn right_hand_side_must_fit() {
         error.is_input() && error.to_string().contains("is 3 x 2; it must be 3 x 1"),
         "{error}"
     );
-    let file = Scratch::new("rhs-sparse", &format!("{GENERAL}4 1 4\n4 1 7\n1 1 0\n2 1 0\n3 1 0\n"));
+    let file = Scratch::new("rhs-sparse", &format!("{GENERAL}4 1 1\n4 1 7\n"));
     assert_eq!(read_vector(&file.0, 4).unwrap(), [0.0, 0.0, 0.0, 7.0]);
 }
 

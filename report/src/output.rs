@@ -1,8 +1,10 @@
 //! The folder that results go to.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use dempfv::InputError;
+use dempfv::io::atomic;
 
 /// Where results go, and whether older ones may be replaced.
 #[derive(clap::Args)]
@@ -58,4 +60,28 @@ pub fn make_folder(folder: &Path) -> Result<(), InputError> {
     std::fs::create_dir_all(folder).map_err(refused)?;
     let probe = folder.join(".dempfv-probe");
     std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(refused)
+}
+
+/// A folder that no other run writes into while this is held; a crash lets go of it, too.
+#[derive(Debug)]
+pub struct FolderLock(#[expect(dead_code, reason = "closing it unlocks")] Option<File>);
+
+/// Locks a folder for the results of one run, and removes what writers that were killed have left
+/// half written in it. Where the file system knows no locks, there is none.
+///
+/// # Errors
+/// [`InputError`] when another run holds it.
+pub fn lock_folder(folder: &Path) -> Result<FolderLock, InputError> {
+    let Ok(file) = File::open(folder) else { return Ok(FolderLock(None)) };
+    match file.try_lock() {
+        Ok(()) => {
+            atomic::remove_leftovers(folder);
+            Ok(FolderLock(Some(file)))
+        }
+        Err(TryLockError::WouldBlock) => Err(InputError::new(
+            format!("another run writes into {}", folder.display()),
+            "wait until it is done, or give another --out",
+        )),
+        Err(TryLockError::Error(_)) => Ok(FolderLock(None)),
+    }
 }

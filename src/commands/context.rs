@@ -11,7 +11,7 @@ use dempfv::{Error, InputError};
 use dempfv_report::json;
 use dempfv_report::progress::Progress;
 use serde::Serialize;
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::INTERRUPTED;
@@ -91,13 +91,15 @@ impl Context {
 
     /// A flag that the first Ctrl-C (or SIGTERM) raises, for commands that then write what
     /// they have and stop; the second ends the program at once. Commands that do not ask
-    /// for the flag end at the first. SIGHUP stays as it is, so that `nohup` works.
+    /// for the flag end at the first. SIGHUP, of a terminal that closes, is taken like these
+    /// unless it is ignored, as `nohup` has it.
     ///
     /// # Errors
     /// [`Error::Io`] when the system refuses the handler.
     pub fn interruption(&self) -> Result<Arc<AtomicBool>, Error> {
         let raised = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
+        let hangup = (!ignores(SIGHUP)).then_some(SIGHUP);
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hangup) {
             // In this order: the second signal finds the flag that the first has raised.
             flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&raised))
                 .and_then(|_| flag::register(signal, Arc::clone(&raised)))
@@ -105,6 +107,14 @@ impl Context {
         }
         Ok(raised)
     }
+}
+
+/// Whether this process was started with a signal ignored; false where the system does not tell.
+fn ignores(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 fn check_folder(path: &Path) -> Result<(), InputError> {

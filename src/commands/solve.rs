@@ -29,6 +29,14 @@ pub struct Args {
     #[arg(long, value_name = "NAME", value_parser = parse_solver)]
     pub solver: Option<SolverKind>,
 
+    /// Also write the solution (Matrix Market), that of the last solver
+    #[arg(long, value_name = "FILE")]
+    pub solution: Option<PathBuf>,
+
+    /// Replace a solution that is already there
+    #[arg(long, requires = "solution")]
+    pub force: bool,
+
     /// Number of the GPU, with `--solver cholmod-gpu`
     #[arg(long, value_name = "N", requires = "solver")]
     pub gpu_device: Option<u32>,
@@ -92,6 +100,10 @@ struct SolverReport {
 /// # Errors
 /// [`Error::Input`] for what is wrong in the files, [`Error::System`] when a solver fails.
 pub fn run(args: &Args) -> Result<Report, Error> {
+    if let Some(file) = args.solution.as_ref().filter(|file| !args.force && file.exists()) {
+        let what = format!("--solution {} is there already", file.display());
+        return Err(InputError::new(what, "give --force to replace it, or another name").into());
+    }
     let a = matrix_market::read_matrix(&args.matrix)?;
     let b = match &args.right_hand_side {
         Some(path) => matrix_market::read_vector(path, a.n)?,
@@ -111,8 +123,9 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         options.memory = args.gpu_memory;
     }
     let (mut solvers, mut refused) = (vec![], vec![]);
+    let mut x = vec![0.0; a.n];
     for kind in kinds {
-        match measure(kind, &a, &b, known) {
+        match measure(kind, &a, &b, &mut x, known) {
             Ok(report) => solvers.push(report),
             // Nobody asked for a solver of networks' matrices only.
             Err(
@@ -123,6 +136,9 @@ pub fn run(args: &Args) -> Result<Report, Error> {
             }
             Err(e) => return Err(failed(e, kind, &args.matrix)),
         }
+    }
+    if let Some(file) = args.solution.as_ref().filter(|_| !solvers.is_empty()) {
+        matrix_market::write_vector(file, &x)?;
     }
     Ok(Report {
         matrix: args.matrix.clone(),
@@ -147,6 +163,7 @@ fn measure(
     kind: SolverKind,
     a: &SymmetricCsc,
     b: &[f64],
+    x: &mut [f64],
     known: Option<f64>,
 ) -> Result<SolverReport, SolverError> {
     let start = Instant::now();
@@ -156,12 +173,11 @@ fn measure(
     let mut factor = symbolic.factor(a)?;
     let factor_s = start.elapsed().as_secs_f64();
 
-    let mut x = vec![0.0; a.n];
-    let residual = factor.solve_checked(a, b, &mut x)?;
+    let residual = factor.solve_checked(a, b, x)?;
     let (mut solve_s, begin) = (f64::INFINITY, Instant::now());
     while solve_s == f64::INFINITY || begin.elapsed().as_secs_f64() < MEASURE_FOR {
         let start = Instant::now();
-        factor.solve(b, &mut x)?;
+        factor.solve(b, x)?;
         solve_s = solve_s.min(start.elapsed().as_secs_f64());
     }
     Ok(SolverReport {

@@ -109,6 +109,31 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut AtomicFile) -> io::Result<
     file.commit()
 }
 
+/// Removes temporary files in a folder whose writers are gone: killed in the midst of writing.
+/// Does nothing where the system does not tell which processes there are.
+pub fn remove_leftovers(folder: &Path) {
+    if !Path::new("/proc/self").exists() {
+        return;
+    }
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let gone = writer_of(name).is_some_and(|id| !Path::new(&format!("/proc/{id}")).exists());
+        if gone {
+            // One that stays does no harm.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// The process whose temporary file has this name.
+fn writer_of(name: &str) -> Option<u32> {
+    let (_, ids) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
+    let (process, serial) = ids.split_once('-')?;
+    serial.parse::<u64>().ok()?;
+    process.parse().ok()
+}
+
 /// Removes its file when dropped; after the rename there is none to remove.
 #[derive(Debug)]
 struct Temporary(PathBuf);
@@ -131,4 +156,28 @@ fn temporary_name(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let serial = NEXT.fetch_add(1, Ordering::Relaxed);
     path.with_file_name(format!(".{name}.{}-{serial}.tmp", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a killed process has left goes; what this one is writing, and all else, stays.
+    #[test]
+    fn only_leftovers_of_the_dead_are_removed() {
+        let folder = std::env::temp_dir().join(format!("dempfv-leftovers-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let own = format!(".a.csv.{}-7.tmp", std::process::id());
+        // No process has the largest number there is.
+        let dead = format!(".a.csv.{}-3.tmp", u32::MAX);
+        for name in [own.as_str(), dead.as_str(), "a.csv", ".tmp", ".a.4-x.tmp"] {
+            fs::write(folder.join(name), "x").unwrap();
+        }
+        remove_leftovers(&folder);
+        let there = |name: &str| folder.join(name).exists();
+        assert!(
+            !there(&dead) && there(&own) && there("a.csv") && there(".tmp") && there(".a.4-x.tmp")
+        );
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -10,6 +10,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::atomic;
+use super::number::number;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::error::Result;
@@ -38,7 +39,8 @@ pub fn read_matrix(path: &Path) -> Result<SymmetricCsc> {
     Ok(compress(file.rows, &lower))
 }
 
-/// Reads a vector of `n` entries: a matrix of one column.
+/// Reads a vector of `n` entries: a matrix of one column. Entries that a `coordinate` file leaves
+/// out are zero.
 ///
 /// # Errors
 /// As [`read_matrix`], and if the file has another size.
@@ -117,6 +119,7 @@ impl<'a> File<'a> {
         })?;
         // Comments may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
+        let text = text.trim_start_matches('\u{feff}');
         let mut file =
             File { path, symmetric: false, rows: 0, columns: 0, size_line: 0, entries: Vec::new() };
         let coordinate = file.read_first_line(text.lines().next().unwrap_or_default())?;
@@ -187,8 +190,9 @@ impl<'a> File<'a> {
         let names = "the numbers of rows, columns and entries";
         let [rows, columns, count] = self.read_sizes(lines, names)?;
         (self.rows, self.columns) = (rows, columns);
-        // Also keeps a wrong size from asking for memory without end.
-        if count < rows {
+        // Also keeps a wrong size from asking for memory without end. A vector may be sparse: how
+        // long it must be is known.
+        if count < rows && columns != 1 {
             let what = format!("{count} entries cannot fill the {rows} rows");
             return Err(self.wrong(self.size_line, what, "every row needs an entry"));
         }
@@ -212,6 +216,11 @@ impl<'a> File<'a> {
     fn read_array<'t>(&mut self, lines: &mut impl Iterator<Item = (usize, &'t str)>) -> Result<()> {
         let [rows, columns] = self.read_sizes(lines, "the numbers of rows and columns")?;
         (self.rows, self.columns) = (rows, columns);
+        if rows == 0 || columns == 0 || (self.symmetric && rows != columns) {
+            let what = format!("{rows} rows and {columns} columns");
+            let remedy = "a symmetric matrix is square, and none is empty";
+            return Err(self.wrong(self.size_line, what, remedy));
+        }
         let count = if self.symmetric {
             rows.saturating_mul(rows.saturating_add(1)) / 2
         } else {
@@ -256,14 +265,9 @@ impl<'a> File<'a> {
     }
 
     fn value(&self, word: &str, line: usize) -> Result<f64> {
-        // Fortran writes exponents with D.
-        let value = word.parse().or_else(|_| word.replace(['d', 'D'], "e").parse::<f64>());
-        match value {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => {
-                Err(self.wrong(line, format!("the value `{word}`"), "it must be one finite number"))
-            }
-        }
+        number(word, "").map_err(|_| {
+            self.wrong(line, format!("the value `{word}`"), "it must be one finite number")
+        })
     }
 
     fn wrong(&self, line: usize, what: String, remedy: &str) -> IoError {

@@ -8,7 +8,9 @@ pub mod checkpoint;
 mod error;
 pub mod history;
 pub mod matrix_market;
+mod number;
 pub mod packing;
+mod packing_layout;
 pub mod vtk;
 
 pub use error::IoError;

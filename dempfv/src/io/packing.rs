@@ -7,17 +7,20 @@
 //! ```
 //!
 //! A line holds `x y z r` in metres. The box is `xmin ymin zmin xmax ymax
-//! zmax`. Files that YADE's `export.text` writes load as they are.
+//! zmax`. Files that others write load as they are: YADE's `export.text`, `textExt` and
+//! `SpherePack.save`, Woo's sphere lists, tables with a line of column names (CSV), and dumps of
+//! LAMMPS, whose last snapshot and box are taken. Clumps are the spheres that they consist of.
 
 use std::io::{self, Write};
 use std::path::Path;
 
 use super::atomic;
+use super::number::number;
+use super::packing_layout::{LINE_FORM, Layout, is_header, words};
 use crate::input::InputError;
 use crate::io::error::Result;
 use crate::{Aabb, Vec3};
 
-const LINE_FORM: &str = "a line is `x y z r` in metres, separated by blanks";
 const BOX_FORM: &str = "the form is `# box xmin ymin zmin xmax ymax zmax` in metres";
 
 /// Spheres are numbered in 32 bits, walls and one number for none behind them.
@@ -67,26 +70,18 @@ impl Packing {
     /// # Errors
     /// As [`Packing::read`], without the file's name.
     pub fn parse(text: &str) -> Result<Packing, InputError> {
-        let mut packing = Packing::default();
+        let mut reader = Reader::default();
         for (i, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-            packing.add_line(line, i + 1).map_err(|e| e.at_line(i + 1))?;
+            reader.read(line, i + 1).map_err(|e| e.at_line(i + 1))?;
         }
+        let packing = reader.packing;
         if packing.is_empty() {
             return Err(InputError::new("the packing has no sphere", LINE_FORM));
         }
         Ok(packing)
     }
 
-    fn add_line(&mut self, line: &str, number: usize) -> Result<(), InputError> {
-        let (values, comment) = line.split_once('#').unwrap_or((line, ""));
-        let mut words = comment.split_whitespace();
-        if words.next() == Some("box") {
-            self.add_box(words)?;
-        }
-        if values.trim().is_empty() {
-            return Ok(());
-        }
-        let [x, y, z, r] = numbers(values.split_whitespace(), LINE_FORM)?;
+    fn add_sphere(&mut self, [x, y, z, r]: [f64; 4], line: usize) -> Result<(), InputError> {
         if r <= 0.0 {
             return Err(InputError::new(
                 format!("the radius is {r}"),
@@ -95,12 +90,11 @@ impl Packing {
         }
         self.position.push(Vec3::new(x, y, z));
         self.radius.push(r);
-        self.line.push(number);
+        self.line.push(line);
         Ok(())
     }
 
-    fn add_box<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<(), InputError> {
-        let [x0, y0, z0, x1, y1, z1] = numbers(words, BOX_FORM)?;
+    fn add_box(&mut self, [x0, y0, z0, x1, y1, z1]: [f64; 6]) -> Result<(), InputError> {
         let bounds = Aabb { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) };
         if let Some(axis) = (0..3).find(|&a| bounds.max[a] <= bounds.min[a]) {
             let name = ["x", "y", "z"][axis];
@@ -176,6 +170,112 @@ impl Packing {
     }
 }
 
+/// What the next line of a LAMMPS dump is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Item {
+    /// A sphere, as in any other file.
+    Atoms,
+    /// Nothing that counts here.
+    Other,
+    /// The bounds along an axis.
+    Bounds(usize),
+}
+
+/// Reads a packing line by line.
+struct Reader {
+    packing: Packing,
+    layout: Option<Layout>,
+    item: Item,
+    /// Bounds of a dump so far.
+    bounds: [f64; 6],
+}
+
+impl Default for Reader {
+    fn default() -> Reader {
+        let packing = Packing::default();
+        Reader { packing, layout: None, item: Item::Atoms, bounds: [0.0; 6] }
+    }
+}
+
+impl Reader {
+    fn read(&mut self, line: &str, number: usize) -> Result<(), InputError> {
+        if let Some(item) = line.strip_prefix("ITEM:") {
+            return self.begin_item(item);
+        }
+        let (values, comment) = line.split_once('#').unwrap_or((line, ""));
+        self.read_comment(comment)?;
+        let words = words(values.trim());
+        match self.item {
+            _ if values.trim().is_empty() => Ok(()),
+            Item::Other => Ok(()),
+            Item::Bounds(axis) => self.read_bounds(axis, &words),
+            Item::Atoms if self.layout.is_none() && is_header(&words) => {
+                self.layout = Some(Layout::named(&words)?);
+                Ok(())
+            }
+            Item::Atoms => {
+                let layout = self.layout.get_or_insert_with(|| Layout::of_line(&words));
+                self.packing.add_sphere(layout.read(&words)?, number)
+            }
+        }
+    }
+
+    fn read_comment(&mut self, comment: &str) -> Result<(), InputError> {
+        if comment.starts_with("#PERIODIC") {
+            return Err(InputError::new(
+                "a periodic packing: its spheres reach past the cell's faces",
+                "fill a box with walls, or take this line out and the spheres that reach past the box",
+            ));
+        }
+        let mut words = comment.split_whitespace();
+        match words.next() {
+            Some("format") => {
+                self.layout = words.next().and_then(Layout::of_format);
+                Ok(())
+            }
+            Some(word) if is_box(word) => self.packing.add_box(numbers(words, BOX_FORM)?),
+            _ => Ok(()),
+        }
+    }
+
+    /// A section of a dump begins.
+    fn begin_item(&mut self, item: &str) -> Result<(), InputError> {
+        let words: Vec<&str> = item.split_whitespace().collect();
+        self.item = match words[..] {
+            ["ATOMS", ref names @ ..] => {
+                self.layout = Some(Layout::named(names)?);
+                Item::Atoms
+            }
+            ["BOX", "BOUNDS", "xy", ..] => {
+                let what = "a triclinic box: its walls are not along the axes";
+                return Err(InputError::new(what, "dump a box that is not tilted"));
+            }
+            ["BOX", "BOUNDS", ..] => Item::Bounds(0),
+            ["TIMESTEP"] => {
+                // The last snapshot counts.
+                self.packing = Packing::default();
+                Item::Other
+            }
+            _ => Item::Other,
+        };
+        Ok(())
+    }
+
+    fn read_bounds(&mut self, axis: usize, words: &[&str]) -> Result<(), InputError> {
+        let form = "the bounds of an axis are two numbers";
+        let [low, high] = numbers(words.iter().copied(), form)?;
+        (self.bounds[axis], self.bounds[axis + 3]) = (low, high);
+        self.item = if axis < 2 { Item::Bounds(axis + 1) } else { Item::Other };
+        if axis == 2 { self.packing.add_box(self.bounds) } else { Ok(()) }
+    }
+}
+
+/// Whether a comment's first word announces the box: `box`, in any case, with a colon or an equals
+/// sign.
+fn is_box(word: &str) -> bool {
+    word.trim_end_matches([':', '=']).eq_ignore_ascii_case("box")
+}
+
 /// Writes a packing file that reads back to the same bits. Each line of
 /// `comment` becomes a comment line at its head.
 ///
@@ -232,14 +332,6 @@ fn numbers<'a, const N: usize>(
         return Err(InputError::new(format!("{count} columns where {N} are due"), form));
     }
     Ok(values)
-}
-
-fn number(word: &str, form: &str) -> Result<f64, InputError> {
-    match word.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(InputError::new(format!("`{word}` is not a finite number"), form)),
-        Err(_) => Err(InputError::new(format!("`{word}` is not a number"), form)),
-    }
 }
 
 fn unreadable(path: &Path, error: &io::Error) -> InputError {

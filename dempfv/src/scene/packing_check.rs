@@ -6,36 +6,30 @@ use crate::domain::{Aabb, Vec3, WallId};
 use crate::input::InputError;
 use crate::io::packing::Packing;
 
-/// A sphere may reach through a wall by this share of its radius: contacts overlap.
-const REACH: f64 = 0.1;
-
-/// The same in the box that a packing file states itself: what made the packing put
-/// these walls there, however soft its spheres.
-const REACH_IN_OWN_BOX: f64 = 0.4;
+/// A sphere may reach through a wall by this share of its radius: contacts overlap, of soft
+/// spheres much.
+const REACH: f64 = 0.4;
 
 /// Spheres whose centres are nearer than this share of the smallest radius coincide.
 const COINCIDENT: f64 = 1e-9;
 
 /// Reads a packing file and checks it ([`validate_packing`]) against `bounds`, else
-/// against its own box; without either, its box is the tight one. Into the walls of a box
-/// that the file itself states, spheres may reach by 40 % of their radius.
+/// against its own box; without either, its box is the tight one.
 ///
 /// # Errors
 /// What is wrong, with file and line.
 pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb), InputError> {
     let packing = Packing::read(path)?;
-    let own = bounds.is_none() && packing.bounds.is_some();
-    let reach = if own { REACH_IN_OWN_BOX } else { REACH };
     let bounds = bounds
         .or_else(|| packing.bounds_or_tight())
         .ok_or_else(|| count_fault(0, 0).in_file(path))?;
     let lines = Some(packing.line.as_slice());
-    check(&packing.position, &packing.radius, lines, &bounds, Some(path), reach)?;
+    validate_packing(&packing.position, &packing.radius, lines, &bounds, Some(path))?;
     Ok((packing, bounds))
 }
 
 /// Checks the spheres of a packing: at least one, finite positions, positive radii, inside
-/// the box (the centre, and all but a tenth of a radius), no two in the same place.
+/// the box (the centre, and all but 40 % of a radius), no two in the same place.
 ///
 /// Positions and radii in m. Spheres are numbered from 0; `lines` are their lines in
 /// `file`, from 1, where both are known. Takes n log n time.
@@ -58,17 +52,6 @@ pub fn validate_packing(
     bounds: &Aabb,
     file: Option<&Path>,
 ) -> Result<(), InputError> {
-    check(positions, radii, lines, bounds, file, REACH)
-}
-
-fn check(
-    positions: &[Vec3],
-    radii: &[f64],
-    lines: Option<&[usize]>,
-    bounds: &Aabb,
-    file: Option<&Path>,
-    reach: f64,
-) -> Result<(), InputError> {
     let place = |error: InputError, sphere: Option<usize>| {
         let error = match file {
             Some(file) => error.in_file(file),
@@ -83,7 +66,7 @@ fn check(
         return Err(place(count_fault(positions.len(), radii.len()), None));
     }
     for (i, (x, &r)) in positions.iter().zip(radii).enumerate() {
-        check_sphere(i, x, r, bounds, reach).map_err(|e| place(e, Some(i)))?;
+        check_sphere(i, x, r, bounds).map_err(|e| place(e, Some(i)))?;
     }
     match coincident(positions, radii) {
         None => Ok(()),
@@ -107,7 +90,7 @@ fn count_fault(positions: usize, radii: usize) -> InputError {
     InputError::new(what, LINE_FORM)
 }
 
-fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb, reach: f64) -> Result<(), InputError> {
+fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb) -> Result<(), InputError> {
     if !(r.is_finite() && r > 0.0) {
         return Err(InputError::new(
             format!("sphere {i} has the radius {r}"),
@@ -132,15 +115,16 @@ fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb, reach: f64) -> Result
                 "move it inside, or give a larger box",
             ));
         }
-        if depth < r * (1.0 - reach) {
+        if depth < r * (1.0 - REACH) {
             return Err(InputError::new(
                 format!(
                     "sphere {i} is outside the box: it pokes through {wall} by {:.1} % of its radius",
                     100.0 * (1.0 - depth / r)
                 ),
                 format!(
-                    "move it inside or give a larger box: up to {:.0} % is a contact",
-                    100.0 * reach
+                    "move it inside, or give the box that the packing was made in: up to {:.0} % is a contact of \
+                     soft spheres",
+                    100.0 * REACH
                 ),
             ));
         }
@@ -235,7 +219,7 @@ mod tests {
             (inside, 0.0, "sphere 1 has the radius 0"),
             (Vec3::new(0.5, f64::NAN, 0.5), 0.1, "sphere 1 has y = NaN"),
             (Vec3::new(0.5, 0.5, 1.25), 0.1, "its centre is 2.5000e-1 m beyond z_max"),
-            (Vec3::new(0.08, 0.5, 0.5), 0.1, "pokes through x_min by 20.0 % of its radius"),
+            (Vec3::new(0.05, 0.5, 0.5), 0.1, "pokes through x_min by 50.0 % of its radius"),
         ];
         for (x, r, expected) in cases {
             let error = fault(&[Vec3::repeat(0.3), x], &[0.1, r]);
@@ -243,7 +227,7 @@ mod tests {
             assert_eq!(error.line, Some(4));
             assert!(!error.remedy.is_empty());
         }
-        let overlap = [Vec3::new(0.0901, 0.5, 0.5)];
+        let overlap = [Vec3::new(0.0601, 0.5, 0.5)];
         assert_eq!(validate_packing(&overlap, &[0.1], None, &UNIT, None), Ok(()));
         assert_eq!(fault(&[], &[]).what, "the packing has no sphere");
     }

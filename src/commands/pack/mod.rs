@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 
 use dempfv::dem::Dem;
 use dempfv::io::packing;
-use dempfv::scene::{Plan, StageKind};
+use dempfv::scene::{Plan, StageKind, validate_packing};
 use dempfv::simulation::{Compaction, Outcome, Simulation};
 use dempfv::{Error, InputError};
 use dempfv_report::format::{count, si, three_digits};
@@ -102,11 +102,26 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     else {
         return Err(InputError::new("the scene has no compact stage", "add one").into());
     };
+    check_overlaps(simulation.coupled().dem(), &compaction)?;
     make_folder(&folder)?;
     let file = folder.join(FILE);
     write(&file, &simulation, &compaction)?;
     let particles = simulation.coupled().dem().storage().len();
     Ok(Some(Report { file, particles, steps: simulation.step(), compaction: Some(compaction) }))
+}
+
+/// Refuses a packing that no command would read: one that is mostly overlap.
+fn check_overlaps(dem: &Dem, compaction: &Compaction) -> Result<(), InputError> {
+    let particles = dem.storage();
+    validate_packing(&particles.position, &particles.radius, None, &dem.box_(), None).map_err(|e| {
+        let (stress, young) = (si(compaction.stress_pa, "Pa"), si(dem.material().young, "Pa"));
+        let what = format!(
+            "at {stress} spheres of E = {young} overlap so much that they make no packing (porosity {}): {}",
+            three_digits(compaction.porosity),
+            e.what
+        );
+        InputError::new(what, "ask for a stress of no more than some hundredths of E, or a larger E")
+    })
 }
 
 /// The scene up to its first compact stage.

@@ -17,7 +17,7 @@ use dempfv::simulation::{Simulation, SimulationState};
 use dempfv::{Error, Result};
 use dempfv_report::format::si;
 use dempfv_report::json;
-use dempfv_report::output::{OutputArgs, make_folder};
+use dempfv_report::output::{OutputArgs, lock_folder, make_folder};
 use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
@@ -63,6 +63,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         None => Simulation::new(plan)?,
     };
     make_folder(&folder)?;
+    let _lock = lock_folder(&folder)?;
     if args.restart.is_none() {
         results::remove(&folder)?;
     }
@@ -132,19 +133,20 @@ impl Session {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
-                        self.recorder.after_step(simulation)?;
+                        self.keep_on_failure(simulation, |s| s.recorder.after_step(simulation))?;
                         simulation.state()
                     }
                 };
-                // Nothing is lost on top of the failure if this one fails too.
-                let _ = checkpoint::save(&self.folder.join(CHECKPOINT), &state);
+                self.keep(&state);
                 return Err(error);
             }
-            self.recorder.after_step(simulation)?;
-            self.draw_section(simulation)?;
-            if simulation.outcomes().len() > done {
-                self.end_stage(simulation)?;
-            } else {
+            let finished_stage = simulation.outcomes().len() > done;
+            self.keep_on_failure(simulation, |session| {
+                session.recorder.after_step(simulation)?;
+                session.draw_section(simulation)?;
+                if finished_stage { session.end_stage(simulation) } else { Ok(()) }
+            })?;
+            if !finished_stage {
                 self.progress.update(simulation.step(), simulation.stage_progress(), || {
                     value_of_interest(simulation)
                 });
@@ -154,6 +156,26 @@ impl Session {
             }
         }
         Ok(())
+    }
+
+    /// Keeps a state to go on from, beside a failure: nothing is lost on top of it if this one
+    /// fails too.
+    fn keep(&mut self, state: &SimulationState) {
+        let _ = self.recorder.flush();
+        let _ = checkpoint::save(&self.folder.join(CHECKPOINT), state);
+    }
+
+    /// Writes results; a failure leaves a checkpoint behind.
+    fn keep_on_failure(
+        &mut self,
+        simulation: &Simulation,
+        write: impl FnOnce(&mut Session) -> Result<()>,
+    ) -> Result<()> {
+        let written = write(self);
+        if written.is_err() {
+            self.keep(&simulation.state());
+        }
+        written
     }
 
     /// Draws the section when the first pressure profile from T_v = 0.1 on is
@@ -212,7 +234,7 @@ impl Session {
         interrupted: bool,
     ) -> Result<Report> {
         let finished = ended.is_ok() && simulation.stage().is_none();
-        self.recorder.close(&simulation, finished)?;
+        self.keep_on_failure(&simulation, |s| s.recorder.close(&simulation, finished))?;
         if ended.is_ok() && !finished {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }
@@ -227,7 +249,7 @@ impl Session {
             status,
             &self.folder,
         );
-        json::write(&self.folder.join(SUMMARY), &report)?;
+        self.keep_on_failure(&simulation, |s| json::write(&s.folder.join(SUMMARY), &report))?;
         match ended {
             Ok(()) => Ok(report),
             Err(Error::Input(error)) => Err(Error::Input(error)),

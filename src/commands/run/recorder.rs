@@ -72,6 +72,8 @@ impl Recorder {
             frames.write(&self.folder, simulation)?;
         }
         if due(self.checkpoint_every) {
+            // A restart from it finds the rows before it.
+            self.history.flush()?;
             checkpoint::save(&self.folder.join(super::CHECKPOINT), &simulation.state())?;
         }
         Ok(())
@@ -81,6 +83,11 @@ impl Recorder {
         let mut values = Vec::new();
         history::row(simulation, &mut values);
         Ok(self.history.row(&values)?)
+    }
+
+    /// Hands all rows so far to the system.
+    pub fn flush(&mut self) -> Result<()> {
+        Ok(self.history.flush()?)
     }
 
     /// Hands everything to the system; a finished run ends with its last state.

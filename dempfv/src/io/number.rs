@@ -1,0 +1,16 @@
+//! Numbers in text files.
+
+use crate::input::InputError;
+
+/// A finite number; Fortran writes exponents with D.
+///
+/// # Errors
+/// It is none; `form` says what would be right.
+pub(super) fn number(word: &str, form: &str) -> Result<f64, InputError> {
+    let fortran = || word.replace(['d', 'D'], "e").parse();
+    match word.parse::<f64>().or_else(|_| fortran()) {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(InputError::new(format!("`{word}` is not a finite number"), form)),
+        Err(_) => Err(InputError::new(format!("`{word}` is not a number"), form)),
+    }
+}
