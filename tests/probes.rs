@@ -8,7 +8,7 @@ const STAGES: &str =
     "[[stage]]\nkind = \"run\"\nsteps = 100\nwalls = { y_max = { stress = 1.1e4 } }";
 
 /// The last probe sits in the drained pores at the top.
-const PROBES: &str = "probes = [[0.5, 0.05, 0.5], [0.5, 0.5, 0.5], [0.5, 0.999, 0.5]]";
+const PROBES: &str = "probes = [[0.5, 0.05, 0.5], [0.5, 0.5, 0.5], [0.5, 0.99, 0.5]]";
 
 /// Rows of a column, as they are written.
 fn column(history: &str, name: &str) -> Vec<String> {

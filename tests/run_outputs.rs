@@ -232,7 +232,7 @@ fn network_options_reach_the_flow() {
     assert_eq!(format!("{:.3e}", flux(&["--clamp", "yade"])), "1.934e-7");
     for (options, what) in [
         (&["--viscosity", "0"][..], "positive"),
-        (&["--clamp", "yode"], "none, relative and yade"),
+        (&["--clamp", "yode"], "none, relative, unlimited and yade"),
         (&["--pressure", "y_mid=1"], "y_mid"),
         (&["--pressure", "y_min=nan"], "finite"),
         (&["--solver", "mumps"], "cholmod"),

@@ -67,7 +67,7 @@ fn an_automatic_step_survives_a_restart() {
         [particles]
         cloud = { count = 60, spread = 0.3, porosity = 0.9 }
         [dem]
-        damping = 0.0
+        damping = 0.001
         [[stage]]
         kind = "compact"
         stress = 1e4

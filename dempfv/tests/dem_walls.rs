@@ -62,8 +62,8 @@ fn a_servo_on_fluid_finds_its_speed() {
     let lone = Particles::new(vec![Vec3::repeat(0.3)], vec![0.1], 2600.0);
     let mut dem = Dem::new(lone, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
     let (resistance, dt) = (1e6, 1e-4);
-    let mut all = PerWall::default();
-    all[WallId::YMax] = resistance;
+    let mut all = PerWall::<PerWall<f64>>::default();
+    all[WallId::YMax][WallId::YMax] = resistance;
     dem.set_wall_resistance(all);
     for stress in [2e4, 1e4, 3e4] {
         dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: 1.0 }).unwrap();

@@ -3,7 +3,8 @@
 mod common;
 
 use common::{Random, Spheres, cubic, face_centred, few, loose, settled, unit_box};
-use dempfv::pfv::{Boundary, Clamp, Fluid, NONE, Network, Operators, PfvError};
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, Network, Operators, PfvError};
+use dempfv::solver::SolverKind;
 use dempfv::{Aabb, PerWall, Vec3, WallId};
 
 const DRAINED_TOP: Fluid = Fluid {
@@ -19,7 +20,7 @@ fn network(s: &Spheres) -> Network {
 
 fn operators(s: &Spheres, fluid: &Fluid) -> (Network, Operators) {
     let (network, derivatives) = Network::new(&s.x, &s.r, s.bounds, fluid).unwrap();
-    let operators = Operators::new(&network, derivatives, fluid.boundary).unwrap();
+    let operators = Operators::new(&network, derivatives, fluid.boundary);
     (network, operators)
 }
 
@@ -200,18 +201,30 @@ fn a_hidden_sphere_is_named() {
     assert_eq!(n.pores(), without.pores());
 }
 
-/// Without any imposed pressure no pore has a determined one.
+/// Without any imposed pressure all pores are one sealed group: at rest they have the pressure
+/// of the pinned one; a wall that moves inward squeezes what cannot be squeezed, and is refused.
 #[test]
-fn an_isolated_pore_is_named() {
+fn a_closed_box_is_solved_at_rest_and_refused_in_motion() {
     let s = few(1);
     let closed = Fluid { boundary: Boundary::default(), ..DRAINED_TOP };
-    let (n, derivatives) = Network::new(&s.x, &s.r, s.bounds, &closed).unwrap();
-    let error = Operators::new(&n, derivatives, closed.boundary).unwrap_err();
-    assert!(matches!(error, PfvError::IsolatedPore { pore: 0, others: 7, .. }), "{error}");
+    let mut flow = Flow::new(&s.x, &s.r, s.bounds, &closed, SolverKind::default()).unwrap();
+    assert_eq!(flow.operators().sealed_pores().groups, [(0..8).collect::<Vec<u32>>()]);
+    flow.solve_static().unwrap();
+    assert!(flow.pressure().iter().all(|&p| p == 0.0));
+    let mut walls = [0.0; 6];
+    walls[WallId::YMax.index()] = -1.0;
+    let error = flow.solve(&[Vec3::zeros()], &walls).unwrap_err();
+    let area = s.bounds.wall_area(WallId::YMax);
+    let PfvError::SealedPores { pore: 0, pores: 8, rate, .. } = error else { panic!("{error}") };
+    assert!((rate + area).abs() < 1e-12 * area, "{rate}");
     // The sphere has the number that its owner gave it.
     assert!(error.to_string().split(['(', ',', ')', ' ']).any(|w| w == "0"), "{error}");
     let error = error.with_numbers(&[17]).to_string();
     assert!(error.contains("17") && error.contains("_min"), "{error}");
+    // Opposite walls that move together only shift what is between them.
+    walls[WallId::YMin.index()] = -1.0;
+    flow.solve(&[Vec3::new(0.0, -1.0, 0.0)], &walls).unwrap();
+    assert!(flow.pressure().iter().all(|p| p.abs() < 1e-9), "nothing is squeezed");
 }
 
 /// Input that cannot be right is refused, with the argument's name and the entry's number.

@@ -66,7 +66,7 @@ impl Parity {
             let fluid = Fluid {
                 viscosity: reference.viscosity,
                 slip_walls: case.slip,
-                clamp: if case.clamp { Clamp::Yade } else { Clamp::None },
+                clamp: if case.clamp { Clamp::Yade } else { Clamp::Unlimited },
                 boundary: Boundary { pressure: reference.pressure.into() },
             };
             let solver = SolverKind::default();

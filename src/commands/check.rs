@@ -144,7 +144,7 @@ fn count_pores(
     let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
-    let operators = Operators::new(&network, derivatives, boundary)?;
+    let operators = Operators::new(&network, derivatives, boundary);
     specimen.pores = Some(network.pores());
     specimen.unknowns = Some(operators.unknowns());
     specimen.factor_entries = Some(0);
@@ -256,6 +256,10 @@ impl Report {
     /// The three bounds that the limit comes from.
     fn write_bounds(&self, f: &mut fmt::Formatter<'_>, bounds: &TimeStepBounds) -> fmt::Result {
         line(f, "  contacts", &format!("{} (Δt_MK)", si(bounds.contact, "s")))?;
+        if let Some(collision) = bounds.collision {
+            let text = format!("{} (16 steps each: nothing damps them)", si(collision, "s"));
+            line(f, "  collisions", &text)?;
+        }
         let Some(estimate) = bounds.viscous_estimate else { return Ok(()) };
         let exact = match (bounds.viscous, &self.stability) {
             (Some(exact), Some(found)) if exact.is_finite() => {

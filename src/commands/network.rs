@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use dempfv::io::matrix_market;
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, UnknownClamp};
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, NetworkRemarks, SealedPores, UnknownClamp};
 use dempfv::scene::load_packing;
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, Error, InputError, Vec3, WallId};
@@ -58,11 +58,11 @@ pub struct FluidArgs {
     /// Does the fluid slip along walls without imposed pressure?
     #[arg(long, value_name = "true|false", default_value_t = true, action = clap::ArgAction::Set)]
     pub slip: bool,
-    /// Bounds on the conductances: none, relative or yade
+    /// Bounds on the conductances: none, relative, unlimited or yade
     #[arg(long, default_value = "none")]
     pub clamp: String,
     /// Linear solver
-    #[arg(long, default_value = "cholmod")]
+    #[arg(long, default_value = "auto")]
     pub solver: String,
 }
 
@@ -110,9 +110,14 @@ pub struct Report {
     wall_force: BTreeMap<&'static str, Vec3>,
     flux: BTreeMap<&'static str, f64>,
     permeability_m2: Option<f64>,
-    porosity: f64,
+    /// Overlaps counted twice; `None` where they leave nothing.
+    porosity: Option<f64>,
     hidden: Vec<u32>,
     unknowns: usize,
+    /// Pores and throats that are out of the ordinary.
+    remarks: NetworkRemarks,
+    sealed: SealedPores,
+    warnings: Vec<String>,
     residual: Option<f64>,
     #[serde(skip)]
     written: Option<PathBuf>,
@@ -222,9 +227,12 @@ fn report(flow: &Flow, radius: &[f64], fluid: &Fluid) -> Report {
             .collect(),
         flux: WallId::ALL.into_iter().map(|w| (by_name(w), flow.flux()[w.index()])).collect(),
         permeability_m2: upstream.and_then(|w| flow.permeability(w)).map(|k| k.value),
-        porosity: 1.0 - solid / network.bounds.volume(),
+        porosity: Some(1.0 - solid / network.bounds.volume()).filter(|&n| n > 0.0),
         hidden: t.hidden.clone(),
         unknowns: flow.operators().unknowns(),
+        remarks: flow.remarks(),
+        sealed: flow.operators().sealed_pores().clone(),
+        warnings: flow.remarks().warnings(),
         residual: flow.residual(),
         written: None,
     }
@@ -247,13 +255,16 @@ impl fmt::Display for Report {
             count(self.cells.len() as u64),
             count(self.unknowns as u64)
         )?;
-        writeln!(f, "  porosity       {}", three_digits(self.porosity))?;
+        if let Some(porosity) = self.porosity {
+            writeln!(f, "  porosity       {}", three_digits(porosity))?;
+        }
         for (wall, flux) in self.flux.iter().filter(|(_, q)| **q != 0.0) {
             writeln!(f, "  flux at {wall}  {flux:.4e} m³/s into the box")?;
         }
         if let Some(k) = self.permeability_m2 {
             writeln!(f, "  permeability   {k:.6e} m²")?;
         }
+        self.warnings.iter().try_for_each(|w| writeln!(f, "  warning        {w}"))?;
         if let Some(path) = &self.written {
             writeln!(f, "  written        {}", path.display())?;
         }

@@ -25,9 +25,11 @@ pub struct Args {
 #[derive(Serialize)]
 pub struct Report {
     axes: Vec<Axis>,
-    porosity: f64,
+    /// Overlaps counted twice; `None` where these are so large that it means nothing.
+    porosity: Option<f64>,
     sauter_diameter_m: f64,
-    kozeny_carman_m2: f64,
+    kozeny_carman_m2: Option<f64>,
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -46,7 +48,7 @@ struct Axis {
 /// no solution.
 pub fn run(args: &Args) -> Result<Report, Error> {
     let (packing, bounds) = load_packing(&args.packing, None)?;
-    let mut axes = Vec::new();
+    let (mut axes, mut warnings) = (vec![], vec![]);
     for (axis, wall) in [("x", WallId::XMin), ("y", WallId::YMin), ("z", WallId::ZMin)] {
         let mut boundary = Boundary::default();
         boundary.pressure[wall] = Some(1.0);
@@ -54,6 +56,11 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         let (fluid, solver) = args.fluid.fluid(boundary)?;
         let mut flow = Flow::new(&packing.position, &packing.radius, bounds, &fluid, solver)?;
         flow.solve_static()?;
+        for remark in flow.remarks().warnings() {
+            if !warnings.contains(&remark) {
+                warnings.push(remark);
+            }
+        }
         let measured = flow.permeability(wall);
         let k = measured
             .ok_or_else(|| InputError::new("no flow to measure", "give a packing with pores"))?;
@@ -68,11 +75,19 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         packing.radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     let (porosity, sauter_diameter_m) =
         (1.0 - solid / bounds.volume(), sauter_diameter(&packing.radius));
+    let porosity = Some(porosity).filter(|&n| n > 0.0);
+    if porosity.is_none() {
+        warnings.push(
+            "the spheres have more volume than the box: overlaps are so large that there is no porosity to tell"
+                .to_owned(),
+        );
+    }
     Ok(Report {
         axes,
         porosity,
         sauter_diameter_m,
-        kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter_m),
+        kozeny_carman_m2: porosity.map(|n| kozeny_carman(n, sauter_diameter_m)),
+        warnings,
     })
 }
 
@@ -81,8 +96,11 @@ impl fmt::Display for Report {
         for a in &self.axes {
             writeln!(f, "  k along {}       {:.6e} m²", a.axis, a.permeability_m2)?;
         }
-        writeln!(f, "  Kozeny-Carman   {:.6e} m²", self.kozeny_carman_m2)?;
-        let (n, d) = (three_digits(self.porosity), si(self.sauter_diameter_m, "m"));
-        writeln!(f, "                  (porosity {n}, Sauter mean diameter {d})")
+        if let (Some(k), Some(n)) = (self.kozeny_carman_m2, self.porosity) {
+            writeln!(f, "  Kozeny-Carman   {k:.6e} m²")?;
+            let (n, d) = (three_digits(n), si(self.sauter_diameter_m, "m"));
+            writeln!(f, "                  (porosity {n}, Sauter mean diameter {d})")?;
+        }
+        self.warnings.iter().try_for_each(|w| writeln!(f, "  warning         {w}"))
     }
 }

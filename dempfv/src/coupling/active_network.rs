@@ -5,7 +5,7 @@ use super::fluid_state::{FluidState, Followed, Snapshot};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use crate::pfv::{Flow, Iterations, NONE};
-use crate::{Aabb, Vec3, WallId};
+use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// How spheres and walls move in a step, as the fluid feels it.
 pub(super) struct SolidMotion<'a> {
@@ -30,8 +30,8 @@ pub(super) struct SolidGeometry<'a> {
     pub bounds: Aabb,
 }
 
-/// Least error that is asked of iterated pressures (1), whatever the
-/// tolerance; see [`Flow::iterate`].
+/// Error that is asked of iterated pressures (1) where no tolerance was given; see
+/// [`Flow::iterate`].
 pub const PRESSURE_ERROR: f64 = 1e-6;
 /// Applications of its factor in one solve by which a network is exhausted.
 const EXHAUSTING_APPLICATIONS: u32 = 24;
@@ -61,7 +61,7 @@ impl ActiveNetwork {
         phases
             .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
         if motion.geometry.is_some() {
-            let tolerance = flow.tolerance().max(PRESSURE_ERROR);
+            let tolerance = flow.tolerance();
             let solve = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
             state.exhausted |= solve.applications >= EXHAUSTING_APPLICATIONS;
             *iterations = Some(solve);
@@ -69,7 +69,7 @@ impl ActiveNetwork {
             phases.time(Phase::Solve, || flow.update_pressure())?;
         }
         for wall in WallId::ALL {
-            let known = &mut state.resistance[wall.index()];
+            let known = &mut state.resistance[wall];
             if motion.servo[wall.index()] && known.is_none() {
                 *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
             }
@@ -109,6 +109,9 @@ impl ActiveNetwork {
             flow.update_geometry(position, bounds)?;
         }
         flow.restore_pressures(&state.extrapolation, &state.volume_rate);
+        if flow.solved_by() != state.solved_by.as_deref() {
+            flow.forget_gain();
+        }
         Ok(())
     }
 
@@ -132,9 +135,11 @@ impl ActiveNetwork {
         pore.copied().unwrap_or(f64::NAN)
     }
 
-    /// The fluid's resistance to each wall (N·s/m); 0 where nobody asked.
-    pub fn resistance(&self) -> [f64; 6] {
-        self.state.resistance.map(|r| r.unwrap_or(0.0))
+    /// What the fluid takes off the outward force on a wall (first index) per outward velocity
+    /// of another (N·s/m); 0 where nobody asked.
+    pub fn resistance(&self) -> PerWall<PerWall<f64>> {
+        let column = self.state.resistance.map(|column| column.unwrap_or_default());
+        PerWall::from_fn(|a| PerWall::from_fn(|b| column[b][a]))
     }
 
     /// What a checkpoint needs, but for what is on its way.
@@ -142,6 +147,7 @@ impl ActiveNetwork {
         FluidState {
             extrapolation: self.flow.extrapolation().clone(),
             volume_rate: self.flow.volume_rate().to_vec(),
+            solved_by: self.flow.solved_by().map(str::to_owned),
             ..self.state.clone()
         }
     }

@@ -38,7 +38,8 @@ impl Coupled {
                 // finds this done.
                 self.compute_contacts()?;
                 let bounds = self.time_step_bounds();
-                self.auto_time_step.looked(bounds);
+                let steps = self.dem.steps_between_looks(bounds.automatic(safety));
+                self.auto_time_step.looked(bounds, steps);
                 bounds
             }
         };

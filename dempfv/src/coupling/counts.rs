@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::pfv::{BuildTimes, Iterations};
+use crate::pfv::{BuildTimes, Iterations, NetworkRemarks};
 
 /// What happened at remeshes, since the simulation began or was restarted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,6 +27,8 @@ pub struct RemeshCounts {
     pub total_age: u64,
     /// What the background built, beside the time loop.
     pub background: BuildTimes,
+    /// The most of what was out of the ordinary in any of the networks.
+    pub remarks: NetworkRemarks,
 }
 
 impl RemeshCounts {
@@ -68,6 +70,28 @@ impl UpdateCounts {
         self.last_error = solve.error;
         self.largest_error = self.largest_error.max(solve.error);
         self.exhausted += u64::from(exhausted);
+    }
+}
+
+/// Solves that left more than the tolerance after all their refinements, since the simulation
+/// began or was restarted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UnmetTolerance {
+    /// How many.
+    pub steps: u64,
+    /// Step of the first.
+    pub first: u64,
+    /// The most that one left: estimated error of the pressures or imbalance of fluid mass (1).
+    pub worst: f64,
+}
+
+impl UnmetTolerance {
+    pub(super) fn add(&mut self, step: u64, left: f64) {
+        if self.steps == 0 {
+            self.first = step;
+        }
+        self.steps += 1;
+        self.worst = self.worst.max(left);
     }
 }
 

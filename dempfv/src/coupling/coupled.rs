@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
-use super::counts::{IntervalTrail, RemeshCounts, UpdateCounts};
+use super::counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 use super::error::Result;
 use super::fluid_state::FluidState;
 use super::gpu_use::GpuUse;
@@ -45,6 +45,7 @@ pub struct Coupled {
     pub(super) largest_residual: f64,
     pub(super) largest_imbalance: f64,
     update_counts: UpdateCounts,
+    unmet_tolerance: UnmetTolerance,
     phases: Phases,
     pub(super) auto_time_step: AutoTimeStep,
     overlap: OverlapBuffers,
@@ -69,6 +70,7 @@ impl Coupled {
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             update_counts: UpdateCounts::default(),
+            unmet_tolerance: UnmetTolerance::default(),
             phases: Phases::default(),
             auto_time_step: AutoTimeStep::default(),
             overlap: OverlapBuffers::default(),
@@ -175,7 +177,7 @@ impl Coupled {
     fn dry_step(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        dem.set_wall_resistance([0.0; 6].into());
+        dem.set_wall_resistance(PerWall::default());
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         Ok(())
@@ -212,10 +214,14 @@ impl Coupled {
     fn integrate(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
-        dem.set_wall_resistance(network.map_or([0.0; 6], |network| network.resistance()).into());
+        dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default());
         if let Some(ActiveNetwork { flow, iterations, state, .. }) = network {
             if let Some(solve) = iterations {
                 self.update_counts.add(*solve, state.exhausted);
+            }
+            let iterated = iterations.map(|solve| solve.error).filter(|&e| e > flow.tolerance());
+            if let Some(left) = iterated.or(flow.unmet_tolerance()) {
+                self.unmet_tolerance.add(self.steps, left);
             }
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
@@ -349,6 +355,11 @@ impl Coupled {
     /// What following the spheres between remeshes took.
     pub fn update_counts(&self) -> &UpdateCounts {
         &self.update_counts
+    }
+
+    /// Solves that left more than the tolerance.
+    pub fn unmet_tolerance(&self) -> UnmetTolerance {
+        self.unmet_tolerance
     }
 
     /// What a GPU did, where the solver asks for one.

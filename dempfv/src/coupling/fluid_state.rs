@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
 use crate::pfv::Extrapolation;
-use crate::{Aabb, Vec3};
+use crate::{Aabb, PerWall, Vec3};
 
 /// The positions that a network is built from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,12 +40,14 @@ pub(super) struct FluidState {
     /// Rate at which each pore grew in the last step (m³/s).
     pub volume_rate: Vec<f64>,
     /// The fluid's resistance to each wall that a servo held (N·s/m), once it
-    /// is known for this network.
-    pub resistance: [Option<f64>; 6],
+    /// is known for this network ([`Flow::wall_resistance`](crate::pfv::Flow::wall_resistance)).
+    pub resistance: PerWall<Option<PerWall<f64>>>,
     /// The network cannot follow the spheres any further.
     pub exhausted: bool,
     /// The pressures that the next solve goes on from.
     pub extrapolation: Extrapolation,
+    /// The solver that computed them.
+    pub solved_by: Option<String>,
     /// What the next network is being built from.
     pub pending: Option<Snapshot>,
     /// What bounds the automatic time step, as far as it is known.

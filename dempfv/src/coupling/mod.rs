@@ -32,7 +32,7 @@ mod viscous_bound;
 
 pub use active_network::PRESSURE_ERROR;
 pub use controls::Controls;
-pub use counts::{IntervalTrail, RemeshCounts, UpdateCounts};
+pub use counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 pub use coupled::Coupled;
 pub use error::CouplingError;
 pub use gpu_use::GpuUse;

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::active_network::ActiveNetwork;
+use super::active_network::{ActiveNetwork, PRESSURE_ERROR};
 use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
 use super::error::{CouplingError, Result};
@@ -22,6 +22,7 @@ use super::options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
+use crate::PerWall;
 use crate::pfv::{Extrapolation, Flow, TransferSource};
 
 /// The network in use and the one that comes next.
@@ -114,7 +115,8 @@ impl Remesher {
 
     /// Puts a network into use.
     fn put_to_use(&mut self, mut flow: Flow, state: FluidState) {
-        if let Some(tolerance) = self.tolerance {
+        let follows = self.acceleration.update == Update::EveryStep;
+        if let Some(tolerance) = self.tolerance.or(follows.then_some(PRESSURE_ERROR)) {
             flow.set_tolerance(tolerance);
         }
         self.current = Some(ActiveNetwork::new(flow, state));
@@ -365,9 +367,10 @@ impl Remesher {
             since: 0,
             volume_change,
             volume_rate: vec![],
-            resistance: [None; 6],
+            resistance: PerWall::default(),
             exhausted: false,
             extrapolation: Extrapolation::default(),
+            solved_by: None,
             pending: None,
             fastest,
         };
@@ -378,6 +381,7 @@ impl Remesher {
 
     fn count(&mut self, flow: &Flow) {
         self.counts.networks += 1;
+        self.counts.remarks = self.counts.remarks.or_more(flow.remarks());
         self.counts.analyses += u64::from(!flow.analysis_reused() && flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
     }

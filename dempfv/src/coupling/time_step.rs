@@ -14,6 +14,10 @@ pub struct TimeStepBounds {
     /// 2 / (λ_max (1 + damping)), λ_max of V M⁻¹ (eq. A.9); `None` where there
     /// is no network, infinite where the fluid does not resist.
     pub viscous: Option<f64>,
+    /// Step of collisions that nothing damps
+    /// ([`Dem::collision_time_step`](crate::dem::Dem::collision_time_step)); `None` with local
+    /// damping. A longer step is stable, but loses count of the energy.
+    pub collision: Option<f64>,
 }
 
 /// Which bound makes the time step what it is.
@@ -47,7 +51,9 @@ impl TimeStepBounds {
     ///
     /// ```
     /// use dempfv::coupling::TimeStepBounds;
-    /// let bounds = |contact, viscous| TimeStepBounds { contact, viscous, viscous_estimate: None };
+    /// let bounds = |contact, viscous| {
+    ///     TimeStepBounds { contact, viscous, viscous_estimate: None, collision: None }
+    /// };
     /// assert_eq!(bounds(1e-5, None).limit(), 1e-5);
     /// assert!((bounds(1.0, Some(1.0)).limit() - 0.618).abs() < 1e-3);
     /// assert!((bounds(1.0, Some(1e-6)).limit() - 1e-6).abs() < 1e-11);
@@ -57,9 +63,10 @@ impl TimeStepBounds {
         2.0 / (v + v.hypot(2.0 * k))
     }
 
-    /// The time step that `dt = "auto"` takes (s): this share of the limit.
+    /// The time step that `dt = "auto"` takes (s): this share of the limit, and no more than
+    /// collisions without damping allow.
     pub fn automatic(&self, safety: f64) -> f64 {
-        safety * self.limit()
+        (safety * self.limit()).min(self.collision.unwrap_or(f64::INFINITY))
     }
 
     /// Which bound rules.
@@ -74,9 +81,6 @@ impl TimeStepBounds {
         }
     }
 }
-
-/// Steps between two looks at the automatic time step.
-const STEPS_BETWEEN_LOOKS: u64 = 50;
 
 /// The automatic time step between two looks at what bounds it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -98,9 +102,9 @@ impl AutoTimeStep {
         self.bounds
     }
 
-    /// Takes what a look has found.
-    pub fn looked(&mut self, bounds: TimeStepBounds) {
-        *self = AutoTimeStep { bounds: Some(bounds), left: STEPS_BETWEEN_LOOKS };
+    /// Takes what a look has found, and in how many steps to look again.
+    pub fn looked(&mut self, bounds: TimeStepBounds, steps: u64) {
+        *self = AutoTimeStep { bounds: Some(bounds), left: steps };
     }
 
     /// A step goes by without a look.

@@ -84,5 +84,6 @@ pub(super) fn bounds(
         viscous_estimate: viscosity
             .map(|mu| viscous_time_step(smallest, dem.material().density, mu)),
         viscous: fastest.and_then(|f| f.bound(dem.options().damping)),
+        collision: (dem.options().damping == 0.0).then(|| dem.collision_time_step()),
     }
 }

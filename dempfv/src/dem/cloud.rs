@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
+use super::grid::CellIndex;
 use super::material::positive;
 use super::rng::Rng;
 use super::walls::check_box;
@@ -197,47 +198,36 @@ fn find_room(
             let (other, r) = &cloud[j as usize];
             (other - centre).norm_squared() >= (radius + r).powi(2)
         };
-        cells.around(&centre).all(free).then_some(centre)
+        cells.around(&centre, radius).all(free).then_some(centre)
     })
 }
 
 /// Spheres placed so far, in cells at least as wide as the largest.
 struct Cells {
-    low: Vec3,
-    inverse: Vec3,
-    dims: [usize; 3],
+    index: CellIndex,
+    largest: f64,
     members: Vec<Vec<u32>>,
 }
 
 impl Cells {
     fn new(box_: &Aabb, largest: f64, count: usize) -> Cells {
-        let size = box_.size();
-        let edge = (2.0 * largest).max((box_.volume() / (4 * count + 64) as f64).cbrt());
-        let dims: [usize; 3] = std::array::from_fn(|k| ((size[k] / edge) as usize).max(1));
-        let inverse = Vec3::from_fn(|k, _| dims[k] as f64 / size[k]);
-        let members = vec![Vec::new(); dims.iter().product()];
-        Cells { low: box_.min, inverse, dims, members }
-    }
-
-    fn coordinates(&self, x: &Vec3) -> [usize; 3] {
-        let cell = (x - self.low).component_mul(&self.inverse);
-        std::array::from_fn(|k| (cell[k] as usize).min(self.dims[k] - 1))
+        let index = CellIndex::new(box_, 2.0 * largest, count);
+        Cells { index, largest, members: vec![Vec::new(); index.count()] }
     }
 
     fn add(&mut self, x: &Vec3, j: u32) {
-        let [a, b, c] = self.coordinates(x);
-        self.members[(a * self.dims[1] + b) * self.dims[2] + c].push(j);
+        self.members[self.index.of(x)].push(j);
     }
 
-    fn around(&self, x: &Vec3) -> impl Iterator<Item = u32> + '_ {
-        let centre = self.coordinates(x);
-        let range = move |k: usize| centre[k].saturating_sub(1)..(centre[k] + 2).min(self.dims[k]);
-        range(0).flat_map(move |a| {
-            range(1).flat_map(move |b| {
-                range(2).flat_map(move |c| {
-                    let cell = (a * self.dims[1] + b) * self.dims[2] + c;
-                    self.members[cell].iter().copied()
-                })
+    /// The spheres that one of this radius at `x` may overlap.
+    fn around(&self, x: &Vec3, radius: f64) -> impl Iterator<Item = u32> + '_ {
+        let reach = radius + self.largest;
+        let low = self.index.coordinates(&x.add_scalar(-reach));
+        let high = self.index.coordinates(&x.add_scalar(reach));
+        (low[0]..=high[0]).flat_map(move |a| {
+            (low[1]..=high[1]).flat_map(move |b| {
+                (low[2]..=high[2])
+                    .flat_map(move |c| self.members[self.index.index(a, b, c)].iter().copied())
             })
         })
     }

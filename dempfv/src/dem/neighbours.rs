@@ -150,11 +150,9 @@ impl Neighbours {
     ) -> Result<(), DemError> {
         let n = particles.len();
         check_inside(particles, walls)?;
-        let (sum, largest) =
-            particles.radius.iter().fold((0.0, 0.0f64), |(s, m), &r| (s + r, m.max(r)));
-        let skin = skin * sum / n.max(1) as f64;
+        let skin = skin * particles.radius.iter().sum::<f64>() / n.max(1) as f64;
         let margin = skin + cut_off;
-        self.grid.fill(&particles.position, &box_of(walls), 2.0 * largest + margin);
+        self.grid.fill(&particles.position, &particles.radius, &box_of(walls), margin);
 
         let mut parts = std::mem::take(&mut self.parts);
         parts.resize_with(block_count(n), Part::default);
@@ -356,7 +354,7 @@ impl Part {
         for i in block * BLOCK..end {
             let (x, r) = (p.position[i], p.radius[i]);
             let (inner, outer) = (self.inner.len(), self.outer.len());
-            grid.around(&x, |j| {
+            grid.around(&x, r, margin, |j| {
                 let k = j as usize;
                 if k <= i {
                     return;

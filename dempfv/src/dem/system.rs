@@ -13,9 +13,11 @@ use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
 use super::pass_input::Input;
+use super::servo::{WallResistance, shifts};
 use super::state::{ContactHistory, DemState};
+use super::stiffness_sum::StiffnessSum;
 use super::wall_pairs::WallSum;
-use super::walls::{Wall, WallControl, WallLoad, box_of, check_box, walls_of};
+use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
 use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
@@ -60,11 +62,11 @@ pub struct Dem {
     pub(super) centre: Vec<[f64; 4]>,
     pub(super) wall_sums: PerWall<WallSum>,
     /// See [`Dem::set_wall_resistance`].
-    wall_resistance: PerWall<f64>,
+    wall_resistance: WallResistance,
     pub(super) external: ExternalLoads,
     /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
     /// contacts, and rotational stiffness over r².
-    pub(super) stiffness: Vec<[Vec3; 2]>,
+    pub(super) stiffness: Vec<StiffnessSum>,
 }
 
 impl Dem {
@@ -306,17 +308,16 @@ impl Dem {
     fn move_walls(&mut self, dt: f64, fluid: Option<&PerWall<Vec3>>) -> Result<(), DemError> {
         let box_ = self.box_();
         let size = box_.size();
-        for wall in WallId::ALL {
+        let loads = PerWall::from_fn(|wall| {
             let axis = wall.axis();
             let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
-            let load = WallLoad {
-                outward: -wall.inward() * force,
-                stiffness: self.wall_sums[wall].stiffness,
-                resistance: self.wall_resistance[wall],
-                area: box_.wall_area(wall),
-                axis_share: 3.0 * size[axis] / size.sum(),
-            };
-            self.walls[wall].advance(wall, dt, load);
+            let load = (-wall.inward() * force, self.wall_sums[wall].stiffness);
+            let shape = (box_.wall_area(wall), 3.0 * size[axis] / size.sum());
+            self.walls[wall].servo_load(dt, load, shape)
+        });
+        let shifts = shifts(&loads, &self.wall_resistance, dt);
+        for wall in WallId::ALL {
+            self.walls[wall].advance(wall, dt, shifts[wall]);
         }
         check_box(&self.box_())
     }
@@ -400,10 +401,10 @@ impl Dem {
         Ok(())
     }
 
-    /// Tells how much the force of the fluid on each wall changes with the
-    /// wall's velocity, against it (N·s/m); 0 for a dry wall. A servo counts on
-    /// it in the next steps; it is no part of the state.
-    pub fn set_wall_resistance(&mut self, resistance: PerWall<f64>) {
+    /// Tells what the fluid takes off the outward force on each wall per outward velocity of
+    /// each other (N·s/m): `resistance[a][b]` is that on wall `a` when `b` moves; 0 between dry
+    /// walls. Servo walls count on it in the next steps, jointly; it is no part of the state.
+    pub fn set_wall_resistance(&mut self, resistance: WallResistance) {
         self.wall_resistance = resistance;
     }
 

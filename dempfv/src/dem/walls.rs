@@ -4,12 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
 use super::material::positive;
+use super::servo::ServoLoad;
 use crate::{Aabb, PerWall, WallId};
-
-/// Share of the wanted shift that a servo wall leaves out, and share of its
-/// previous shift that it adds: the values of YADE's triaxial controller.
-const SERVO_DAMPING: f64 = 0.25;
-const SERVO_MEMORY: f64 = 0.8;
 
 /// What moves a wall along its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,21 +63,6 @@ pub struct Wall {
     pub(super) previous_shift: f64,
 }
 
-/// What acts on a wall in a step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WallLoad {
-    /// Force of spheres and fluid along the outward normal (N).
-    pub outward: f64,
-    /// Sum of the normal stiffnesses of the contacts on the wall (N/m).
-    pub stiffness: f64,
-    /// What the fluid adds to the force against the wall's velocity (N·s/m).
-    pub resistance: f64,
-    /// Area of the wall (m²).
-    pub area: f64,
-    /// 3 L_a / (L_x + L_y + L_z).
-    pub axis_share: f64,
-}
-
 impl Wall {
     fn new(position: f64) -> Wall {
         Wall {
@@ -93,35 +74,32 @@ impl Wall {
         }
     }
 
-    /// Moves the wall by one time step.
-    pub(super) fn advance(&mut self, wall: WallId, dt: f64, load: WallLoad) {
+    /// What a servo has to do with the wall; `None` where none holds it. `outward` is the force of
+    /// spheres and fluid along the outward normal (N), `stiffness` that of the contacts (N/m);
+    /// `area` (m²) and `axis_share`, 3 L_a / (L_x + L_y + L_z), are the wall's.
+    pub(super) fn servo_load(
+        &self,
+        dt: f64,
+        (outward, stiffness): (f64, f64),
+        (area, axis_share): (f64, f64),
+    ) -> Option<ServoLoad> {
+        let WallControl::Servo { stress, max_velocity } = self.control else { return None };
+        Some(ServoLoad {
+            excess: outward - stress * area,
+            stiffness,
+            limit: max_velocity * axis_share * dt,
+            previous: self.previous_shift,
+        })
+    }
+
+    /// Moves the wall by one time step; a servo wall by this outward shift (m).
+    pub(super) fn advance(&mut self, wall: WallId, dt: f64, servo_shift: f64) {
         self.velocity = match self.control {
             WallControl::Fixed => 0.0,
             WallControl::Velocity(v) => v,
-            WallControl::Servo { stress, max_velocity } => {
-                let limit = max_velocity * load.axis_share * dt;
-                let excess = load.outward - stress * load.area;
-                let stiffness = load.stiffness + load.resistance / dt;
-                // A wall that touches nothing approaches at the largest speed.
-                let wanted = if stiffness > 0.0 {
-                    (excess / stiffness).clamp(-limit, limit)
-                } else if excess == 0.0 {
-                    0.0
-                } else {
-                    limit.copysign(excess)
-                };
-                // A fluid holds the force up while the wall moves on, so of its
-                // share the previous shift is kept and nothing is damped.
-                let wet =
-                    if load.resistance > 0.0 { load.resistance / dt / stiffness } else { 0.0 };
-                let damping = (1.0 - wet) * SERVO_DAMPING;
-                let memory = SERVO_MEMORY + wet * (1.0 - SERVO_MEMORY);
-                let mut shift = (1.0 - damping) * wanted + memory * self.previous_shift;
-                if wet > 0.0 {
-                    shift = shift.clamp(-limit, limit);
-                }
-                self.previous_shift = shift;
-                -wall.inward() * shift / dt
+            WallControl::Servo { .. } => {
+                self.previous_shift = servo_shift;
+                -wall.inward() * servo_shift / dt
             }
         };
         let shift = self.velocity * dt;
@@ -153,7 +131,7 @@ pub(super) fn box_of(walls: &PerWall<Wall>) -> Aabb {
     }
 }
 
-/// The error of a box without volume, if it is one.
+/// The error of a box without a volume, or with one that is no number, if it is one.
 pub(super) fn check_box(box_: &Aabb) -> Result<(), DemError> {
     for lower in [WallId::XMin, WallId::YMin, WallId::ZMin] {
         let (a, b) = (box_.wall(lower), box_.wall(lower.opposite()));
@@ -161,5 +139,11 @@ pub(super) fn check_box(box_: &Aabb) -> Result<(), DemError> {
             return Err(DemError::WallsMet { lower, upper: lower.opposite() });
         }
     }
-    Ok(())
+    let value = box_.volume();
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        let expected = "positive and finite; choose another unit of length";
+        Err(DemError::Parameter { name: "volume of the box", value, expected })
+    }
 }

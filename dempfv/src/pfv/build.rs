@@ -56,7 +56,7 @@ impl Assembled {
     /// (m).
     ///
     /// # Errors
-    /// As [`Network::new`] and [`Operators::new`].
+    /// As [`Network::new`].
     pub fn new(
         position: &[Vec3],
         radius: &[f64],
@@ -84,7 +84,7 @@ impl Assembled {
         for imposed in imposed {
             conditions.impose(&network, position, imposed)?;
         }
-        let operators = Operators::with_conditions(&network, derivatives, conditions)?;
+        let operators = Operators::with_conditions(&network, derivatives, conditions);
         let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         Ok(Assembled {
             network,
@@ -158,7 +158,7 @@ impl Flow {
     /// `Arc<dyn Backend>`.
     ///
     /// # Errors
-    /// As [`Network::new`] and [`Operators::new`], and [`PfvError::Solver`] when the
+    /// As [`Network::new`], and [`PfvError::Solver`] when the
     /// factorization fails.
     pub fn new(
         position: &[Vec3],

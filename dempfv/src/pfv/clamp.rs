@@ -12,13 +12,18 @@ use super::throat::Throat;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Clamp {
-    /// Conductances as the geometry gives them.
+    /// Conductances as the geometry gives them: of closed throats zero, and where the formulas
+    /// leave geometry, within its limits.
     #[default]
     None,
     /// Between 1e-4 and 100 times the mean conductance
     /// `g = mean(A_f) (2 V_fluid / A_solid)² / (8 μ mean(l))`.
     Relative,
-    /// Between 1e-4 and 100 times `K = mean(l) V_fluid / (8 μ A_solid)`, for
+    /// Conductances as the formulas give them, without the limits that geometry sets, for
+    /// comparisons with YADE: where spheres overlap so much that a throat's fluid area or volume
+    /// falls below zero, its size counts.
+    Unlimited,
+    /// As [`Clamp::Unlimited`], between 1e-4 and 100 times `K = mean(l) V_fluid / (8 μ A_solid)`, for
     /// comparisons with YADE. `K` is in m²/(Pa·s) where a conductance is in
     /// m³/(Pa·s), so what this clamps depends on the unit of length.
     Yade,
@@ -26,20 +31,26 @@ pub enum Clamp {
 
 impl Clamp {
     /// All clamps, by name.
-    pub const ALL: [Clamp; 3] = [Clamp::None, Clamp::Relative, Clamp::Yade];
+    pub const ALL: [Clamp; 4] = [Clamp::None, Clamp::Relative, Clamp::Unlimited, Clamp::Yade];
 
     /// Name in scenes and on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Clamp::None => "none",
             Clamp::Relative => "relative",
+            Clamp::Unlimited => "unlimited",
             Clamp::Yade => "yade",
         }
     }
 
+    /// Whether geometry limits the throats.
+    pub(super) const fn is_limited(self) -> bool {
+        matches!(self, Clamp::None | Clamp::Relative)
+    }
+
     /// Smallest and largest conductance allowed (m³/(Pa·s)).
     pub(super) fn bounds(self, throats: &[Throat], viscosity: f64) -> (f64, f64) {
-        if self == Clamp::None {
+        if matches!(self, Clamp::None | Clamp::Unlimited) {
             return (0.0, f64::INFINITY);
         }
         let count = throats.len() as f64;
@@ -64,7 +75,7 @@ impl fmt::Display for Clamp {
 
 /// A name that no clamp has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown clamp `{0}`; the clamps are none, relative and yade")]
+#[error("unknown clamp `{0}`; the clamps are none, relative, unlimited and yade")]
 pub struct UnknownClamp(pub String);
 
 impl FromStr for Clamp {

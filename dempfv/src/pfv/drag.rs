@@ -1,7 +1,7 @@
 //! The fluid's resistance to motion: `f = -F G⁻¹ E v`.
 
 use super::{Flow, Network, PfvError};
-use crate::{Vec3, WallId};
+use crate::{PerWall, Vec3, WallId};
 
 /// Volume rates and pressures of a motion that is only tried out.
 pub(super) struct DragScratch {
@@ -18,30 +18,35 @@ impl DragScratch {
 }
 
 impl Flow {
-    /// How the fluid resists a wall's motion while the spheres stand still: the
-    /// force on the wall against its velocity, per velocity (N·s/m). Zero where
+    /// How the fluid resists a wall's motion while the spheres stand still: what it takes off
+    /// the outward force on each wall per outward velocity of this one (N·s/m). Zero where
     /// the pressure of all pores at the wall is imposed. Takes a solve.
     ///
     /// # Errors
     /// [`PfvError::Solver`] when the solve fails.
-    pub fn wall_resistance(&mut self, wall: WallId) -> Result<f64, PfvError> {
+    pub fn wall_resistance(&mut self, wall: WallId) -> Result<PerWall<f64>, PfvError> {
         let mut force = vec![Vec3::zeros(); self.network().tessellation.spheres];
         self.wall_drag(wall, &mut DragScratch::new(self.network()), &mut force)
     }
 
     /// [`Flow::wall_resistance`], and the force on each sphere (N) when the
-    /// wall moves at 1 m/s.
+    /// wall moves at 1 m/s along its axis.
     pub(super) fn wall_drag(
         &mut self,
         wall: WallId,
         scratch: &mut DragScratch,
         force: &mut [Vec3],
-    ) -> Result<f64, PfvError> {
+    ) -> Result<PerWall<f64>, PfvError> {
         let mut speed = [0.0; 6];
         speed[wall.index()] = 1.0;
         let at_rest = vec![Vec3::zeros(); force.len()];
         let wall_force = self.drag(&at_rest, &speed, scratch, force)?;
-        Ok((-wall_force[wall.index()][wall.axis()]).max(0.0))
+        let resistance = PerWall::from_fn(|other| {
+            -wall_force[other.index()][other.axis()] * other.inward() * wall.inward()
+        });
+        // Round-off must not pass for a fluid that helps.
+        let resists = resistance[wall] > 0.0;
+        Ok(if resists { resistance } else { PerWall::default() })
     }
 
     /// The fluid's force on spheres (N) and walls (returned) that move, the

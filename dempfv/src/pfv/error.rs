@@ -80,18 +80,22 @@ pub enum PfvError {
         /// What is not finite.
         quantity: &'static str,
     },
-    /// No path leads from a pore to one with an imposed pressure.
+    /// Pores without a path to an imposed pressure would have to swallow fluid.
     #[error(
-        "pore {pore} (vertices {vertices}) and {others} others are isolated: no path to a pore with an imposed pressure, \
-         so their pressure is undetermined"
+        "pore {pore} (vertices {vertices}){} no path to a pore with an imposed pressure, but would have to swallow \
+         {rate:.3e} m³/s: there is no such flow of an incompressible fluid; impose a pressure, or keep spheres from \
+         overlapping so much that they close its throats",
+        others(*pores)
     )]
-    IsolatedPore {
-        /// One of the isolated pores.
+    SealedPores {
+        /// One of the pores.
         pore: u32,
         /// Its vertices.
         vertices: PoreVertices,
-        /// How many more are isolated.
-        others: usize,
+        /// How many there are in its group.
+        pores: usize,
+        /// What they would have to swallow together (m³/s).
+        rate: f64,
     },
     /// A pressure came out as NaN or infinite.
     #[error("the pressure of pore {pore} is not finite")]
@@ -99,6 +103,14 @@ pub enum PfvError {
         /// The pore.
         pore: u32,
     },
+}
+
+/// How many pores there are beside the one that was named.
+fn others(pores: usize) -> String {
+    match pores {
+        1 => " has".to_owned(),
+        n => format!(" and {} others, joined to it, have", n - 1),
+    }
 }
 
 impl PfvError {
@@ -123,7 +135,7 @@ impl PfvError {
         }
         if let PfvError::BadPore { vertices, .. }
         | PfvError::NotFinite { vertices, .. }
-        | PfvError::IsolatedPore { vertices, .. } = &mut self
+        | PfvError::SealedPores { vertices, .. } = &mut self
         {
             for vertex in &mut vertices.0 {
                 if let PoreVertex::Sphere(sphere) = vertex {

@@ -92,6 +92,11 @@ impl Extrapolation {
         self.age += 1;
     }
 
+    /// Forgets what a correction leaves: another solver corrects from now on.
+    pub(super) fn forget_gain(&mut self) {
+        self.gain = None;
+    }
+
     /// True when a second correction should tell what the first has left.
     pub(super) fn gain_is_due(&self) -> bool {
         self.gain.is_none() || self.age >= SOLVES_PER_GAIN

@@ -7,8 +7,8 @@ use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::pressure_solver::{PressureProblem, PressureSolver};
 use super::terms::{FluidTerm, PoreSource, Sources, Terms};
 use super::{
-    BuildTimes, Fluid, ImposedPressure, Network, Operators, PfvError, ReusableAnalysis,
-    TransferSource,
+    BuildTimes, Fluid, ImposedPressure, Network, NetworkRemarks, Operators, PfvError,
+    ReusableAnalysis, TransferSource,
 };
 use crate::parallel::SERIAL;
 use crate::solver::{Factor, Iterations, Placement, Solver};
@@ -244,8 +244,11 @@ impl Flow {
     /// # Errors
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<(), PfvError> {
-        let Flow { operators, volume_rate, terms, extrapolation, pressure, solver, .. } = self;
+        let Flow {
+            network, operators, volume_rate, terms, extrapolation, pressure, solver, ..
+        } = self;
         let demand = terms.demand(volume_rate);
+        operators.sealed_pores().check(network, demand)?;
         let problem = PressureProblem { operators, demand, extrapolation, pressure };
         if operators.unknowns() < SERIAL {
             solver.solve(problem)
@@ -266,9 +269,18 @@ impl Flow {
     /// When an application fails, or a pressure is not finite.
     pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations, PfvError> {
         let Flow {
-            operators, volume_rate, terms, extrapolation, pressure, solver, geometry, ..
+            network,
+            operators,
+            volume_rate,
+            terms,
+            extrapolation,
+            pressure,
+            solver,
+            geometry,
+            ..
         } = self;
         let demand = terms.demand(volume_rate);
+        operators.sealed_pores().check(network, demand)?;
         let problem = PressureProblem { operators, demand, extrapolation, pressure };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
         solver.iterate(problem, weakened, tolerance)
@@ -340,6 +352,19 @@ impl Flow {
             self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
             self.update_force();
         }
+    }
+
+    /// Forgets what is known of the last solver's corrections: the restored pressures are those
+    /// of another one.
+    pub(crate) fn forget_gain(&mut self) {
+        self.extrapolation.forget_gain();
+    }
+
+    /// What the last [`Flow::update_pressure`] left, where its refinements did not come down to
+    /// the tolerance: the larger of the estimated error of the pressures, relative to the largest, and
+    /// of the imbalance of fluid mass (1).
+    pub fn unmet_tolerance(&self) -> Option<f64> {
+        self.solver.statistics.unmet
     }
 
     /// Takes a term into the balance of the pores, in the place of one of the same name: from the
@@ -443,6 +468,7 @@ impl Flow {
     pub fn imposed_flux(&self) -> Vec<f64> {
         let mut flux = vec![0.0; self.operators.conditions().sets()];
         self.operators.write_flux(&self.pressure, self.demand(), &mut flux);
+        flux.truncate(self.operators.conditions().imposed_sets());
         flux.split_off(6)
     }
 
@@ -477,6 +503,17 @@ impl Flow {
     /// Number of entries of the factor; 0 when nothing is unknown.
     pub fn nnz_l(&self) -> u64 {
         self.solver.factor().map_or(0, |f| f.analysis().nnz_l)
+    }
+
+    /// What is out of the ordinary in the network, as it was built.
+    pub fn remarks(&self) -> NetworkRemarks {
+        let sealed = self.operators.sealed_pores();
+        NetworkRemarks {
+            sealed_pores: sealed.in_groups() as u32,
+            filled_pores: sealed.filled.len() as u32,
+            contested_pores: self.operators.conditions().contested(),
+            ..self.network.remarks
+        }
     }
 
     /// Permeability between two walls with imposed pressures, from the current

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::throat::WallFriction;
+use super::throat::ThroatRules;
 use super::{Boundary, Clamp};
 
 /// An incompressible viscous fluid in the pores, and its walls.
@@ -20,8 +20,8 @@ pub struct Fluid {
 
 impl Fluid {
     /// Which walls drag.
-    pub(super) fn wall_friction(&self) -> WallFriction {
+    pub(super) fn throat_rules(&self) -> ThroatRules {
         let open = self.boundary.pressure.0.map(|p| p.is_some());
-        WallFriction { slip: self.slip_walls, open }
+        ThroatRules { slip: self.slip_walls, open, limited: self.clamp.is_limited() }
     }
 }

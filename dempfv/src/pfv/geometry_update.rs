@@ -20,6 +20,9 @@ const GEOMETRY_TASK: usize = 1_024;
 /// the factor is solved for by itself.
 const WEAKENED_ENERGY_RATIO: f64 = 0.7;
 
+/// What a throat that closes keeps of its conductance while its network is in use.
+const STILL_OPEN: f64 = 1e-9;
+
 /// How far a triangulation that is kept while its spheres move is from that of the moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GeometryDegradation {
@@ -181,11 +184,11 @@ impl GeometryUpdate {
     }
 
     fn update_throats(&mut self, frame: &Frame, network: &Network, fluid: &Fluid) {
-        let (cells, friction) = (&network.tessellation.cells, fluid.wall_friction());
+        let (cells, rules) = (&network.tessellation.cells, fluid.throat_rules());
         let GeometryUpdate { throats, sites, local, .. } = self;
         let blocks = throats.par_chunks_mut(LANES).zip(sites.par_chunks(LANES));
         blocks.with_min_len(GEOMETRY_TASK / LANES).for_each(|(out, sites)| {
-            let block = throats_at(frame, cells, local, sites, friction);
+            let block = throats_at(frame, cells, local, sites, rules);
             out.copy_from_slice(&block[..out.len()]);
         });
     }
@@ -210,8 +213,11 @@ impl GeometryUpdate {
         let limits = fluid.clamp.bounds(&self.throats, fluid.viscosity);
         let conductance = &mut network.throats.conductance;
         for_each(conductance, &|k, g| {
-            let now = bounded(self.throats[k].conductance(fluid.viscosity), limits);
-            *g = if now.is_finite() { now } else { self.conductance[k] };
+            let (now, then) = (self.throats[k].conductance(fluid.viscosity), self.conductance[k]);
+            // What closes stays just open until the next remesh: which pores are unknown, and
+            // reached, is the network's.
+            let now = bounded(now, limits);
+            *g = if now.is_finite() { now.max(STILL_OPEN * then) } else { then };
         });
         self.throats.iter().filter(|t| !t.conductance(1.0).is_finite()).count() as u32
     }

@@ -7,9 +7,9 @@ use super::lanes::LANES;
 use super::packing_check::check_packing;
 use super::pore::Pore;
 use super::pore_batch::PoreBatch;
-use super::throat::{Throat, WallFriction, throat};
+use super::throat::{Throat, ThroatLimit, ThroatRules, throat};
 use super::throat_batch::ThroatBatch;
-use super::{Fluid, NONE, PfvError, Tessellation};
+use super::{Fluid, NONE, NetworkRemarks, PfvError, Tessellation};
 use crate::parallel::{TASK, runs};
 use crate::{Aabb, Vec3};
 
@@ -46,6 +46,10 @@ pub struct Network {
     pub throats: Throats,
     /// Throat across the facet opposite each vertex of a pore, or [`NONE`].
     pub throat_of: Vec<[u32; 4]>,
+    /// What is unusual, as the network was built.
+    pub remarks: NetworkRemarks,
+    /// Pores that spheres fill, as far as they close all throats; sorted.
+    filled: Vec<u32>,
 }
 
 /// What operators are made of, and nothing else needs: 200 bytes a pore.
@@ -80,15 +84,22 @@ impl Network {
         let tessellation = Tessellation::new(&frame)?;
         let pores = evaluate_pores(&frame, &tessellation)?;
         let (sites, throat_of) = number_throats(&tessellation);
-        let friction = fluid.wall_friction();
-        let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &sites, friction);
+        let rules = fluid.throat_rules();
+        let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &sites, rules);
         let conductance = conductances(&evaluated, fluid);
         check_finite(&tessellation, &sites, &conductance)?;
         let force_coefficient =
             force_coefficients(&tessellation, &sites, &evaluated, &throat_of, &pores.gradient);
+        let remarks = remarks(&tessellation, &pores, &evaluated);
+        let filled = match remarks.closed_throats {
+            0 => vec![],
+            _ => filled_pores(&frame, &tessellation, &pores.center, &throat_of, &conductance),
+        };
         let Pores { mut center, volume, gradient: volume_gradient } = pores;
         center.par_iter_mut().for_each(|x| *x += bounds.min);
         let network = Network {
+            remarks,
+            filled,
             bounds,
             viscosity: fluid.viscosity,
             center,
@@ -103,6 +114,12 @@ impl Network {
     /// Number of pores.
     pub fn pores(&self) -> usize {
         self.tessellation.cells.len()
+    }
+
+    /// Whether spheres fill a pore, so that there is no fluid in it: they close its throats and
+    /// cover its centre.
+    pub fn is_filled(&self, pore: usize) -> bool {
+        self.filled.binary_search(&(pore as u32)).is_ok()
     }
 
     /// Volumes (m³) of the same cells when the vertices have moved to
@@ -131,6 +148,59 @@ struct Pores {
     center: Vec<Vec3>,
     volume: Vec<f64>,
     gradient: Vec<[Vec3; 4]>,
+}
+
+/// A pore is flat below this share of the volume that its facets would span upright.
+const FLAT_VOLUME: f64 = 1e-10;
+
+fn remarks(t: &Tessellation, pores: &Pores, throats: &[Throat]) -> NetworkRemarks {
+    let limited = |limit: ThroatLimit| {
+        throats.par_iter().with_min_len(TASK).filter(|t| t.limit == limit).count() as u32
+    };
+    let shape = |(i, (v, gradient)): (usize, (&f64, &[Vec3; 4]))| {
+        // At walls a pore may be flat, or on the wrong side, by the bulge of the huge spheres.
+        let inside = t.cells[i].iter().all(|&v| (v as usize) < t.spheres);
+        let facet = gradient.iter().map(Vec3::norm).fold(0.0, f64::max);
+        let flat = v.abs() <= FLAT_VOLUME * facet.powf(1.5);
+        [inside && flat, inside && !flat && *v < 0.0].map(u32::from)
+    };
+    let both = (&pores.volume, &pores.gradient).into_par_iter();
+    let [flat_pores, inverted_pores] = both
+        .with_min_len(TASK)
+        .enumerate()
+        .map(shape)
+        .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    NetworkRemarks {
+        throats: throats.len() as u32,
+        closed_throats: limited(ThroatLimit::Closed),
+        overlapped_throats: limited(ThroatLimit::Overlap),
+        tube_throats: limited(ThroatLimit::Tube),
+        flat_pores,
+        inverted_pores,
+        ..NetworkRemarks::default()
+    }
+}
+
+/// Pores without an open throat whose centre no sphere leaves free.
+fn filled_pores(
+    frame: &Frame,
+    t: &Tessellation,
+    center: &[Vec3],
+    throat_of: &[[u32; 4]],
+    conductance: &[f64],
+) -> Vec<u32> {
+    let closed =
+        |i: usize| throat_of[i].iter().all(|&t| t == NONE || conductance[t as usize] <= 0.0);
+    let covered = |i: usize| {
+        t.cells[i]
+            .iter()
+            .filter_map(|&v| Some((frame.x.get(v as usize)?, frame.r[v as usize])))
+            .any(
+                // The centre has the same power to all of them, but for round-off.
+                |(x, r)| (center[i] - x).norm_squared() <= r * r,
+            )
+    };
+    (0..t.cells.len()).filter(|&i| closed(i) && covered(i)).map(|i| i as u32).collect()
 }
 
 /// Where a throat is: its pores, and the facet as the first pore numbers it.
@@ -189,7 +259,7 @@ pub(super) fn pores_at(frame: &Frame, cells: &[[u32; 4]]) -> PoreBlock {
     batch.evaluate();
     let mut out = ([NAN; LANES], ([f64::NAN; LANES], [[NAN; 4]; LANES]));
     for (l, cell) in cells.iter().enumerate() {
-        let inside = frame.are_spheres(cell);
+        let inside = frame.are_spheres(cell) && !batch.is_flat(l);
         let pore = if inside { Some(batch.pore(l)) } else { Pore::new(frame, *cell) };
         if let Some(pore) = pore {
             out.0[l] = pore.center;
@@ -263,11 +333,11 @@ fn evaluate_throats(
     t: &Tessellation,
     center: &[Vec3],
     sites: &[ThroatSite],
-    friction: WallFriction,
+    rules: ThroatRules,
 ) -> Vec<Throat> {
     let mut throats = sites
         .par_chunks(LANES)
-        .map(|sites| throats_at(frame, &t.cells, center, sites, friction))
+        .map(|sites| throats_at(frame, &t.cells, center, sites, rules))
         .collect::<Vec<_>>()
         .into_flattened();
     throats.truncate(sites.len());
@@ -280,7 +350,7 @@ pub(super) fn throats_at(
     cells: &[[u32; 4]],
     center: &[Vec3],
     sites: &[ThroatSite],
-    friction: WallFriction,
+    rules: ThroatRules,
 ) -> [Throat; LANES] {
     let mut batch = ThroatBatch::new();
     let mut out = [Throat::CLOSED; LANES];
@@ -298,12 +368,12 @@ pub(super) fn throats_at(
     batch.evaluate();
     for (l, (site, out)) in sites.iter().zip(&mut out).enumerate() {
         let facet = site.facet(cells);
-        if frame.are_spheres(&facet) && !batch.reaches(l) {
+        if frame.are_spheres(&facet) && !batch.is_special(l, &rules) {
             batch.throat(l, out);
         } else {
             let [i, j] = site.pores;
             // A facet of three walls lies on the hull and separates no pores.
-            *out = throat(frame, friction, facet, center[i as usize], center[j as usize])
+            *out = throat(frame, rules, facet, center[i as usize], center[j as usize])
                 .unwrap_or(Throat::CLOSED);
         }
     }

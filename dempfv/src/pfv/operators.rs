@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::boundary_flux::BoundaryFlux;
-use super::{Boundary, Derivatives, NONE, Network, PfvError, PoreConditions, Tessellation};
+use super::{Boundary, Derivatives, NONE, Network, PoreConditions, SealedPores, Tessellation};
 use crate::Vec3;
 use crate::parallel::{TASK, for_each, in_tasks, parts, prefetch, runs};
 use crate::solver::SymmetricCsc;
@@ -27,11 +27,43 @@ pub struct Operators {
     /// Unknown of each pore, or [`NONE`] where the pressure is imposed.
     pub unknown_of: Vec<u32>,
     conditions: PoreConditions,
+    sealed: SealedPores,
     /// For each unknown what its pore is joined to.
     stencil: Vec<Stencil>,
     pub(super) boundary_flux: BoundaryFlux,
     pub(super) volume: VolumeRate,
     pub(super) forces: Forces,
+}
+
+/// What depends on which pressures are unknown.
+struct Parts {
+    matrix: SymmetricCsc,
+    pore_of: Vec<u32>,
+    unknown_of: Vec<u32>,
+    boundary_flux: BoundaryFlux,
+    forces: Forces,
+    stencil: Vec<Stencil>,
+}
+
+impl Parts {
+    fn new(network: &Network, derivatives: &Derivatives, conditions: &PoreConditions) -> Parts {
+        let mut unknown_of = vec![NONE; network.pores()];
+        let mut pore_of = Vec::with_capacity(network.pores());
+        for (i, unknown) in unknown_of.iter_mut().enumerate() {
+            if conditions.set_of(i).is_none() {
+                *unknown = pore_of.len() as u32;
+                pore_of.push(i as u32);
+            }
+        }
+        let assemble = || assemble(network, &unknown_of, &pore_of);
+        let boundary_flux = || BoundaryFlux::new(network, conditions);
+        let forces = || Forces::new(&network.tessellation, &derivatives.force_coefficient);
+        let stencil = || pore_of.par_iter().map(|&i| Stencil::of(network, i)).collect();
+        let last = || rayon::join(forces, stencil);
+        let (matrix, (boundary_flux, (forces, stencil))) =
+            rayon::join(assemble, || rayon::join(boundary_flux, last));
+        Parts { matrix, pore_of, unknown_of, boundary_flux, forces, stencil }
+    }
 }
 
 /// What all pores together swallow (m³/s): the sum of their volume rates, and that of
@@ -116,61 +148,41 @@ impl Incidence {
 
 impl Operators {
     /// Builds the operators of a network from its derivatives, with conditions at walls.
-    ///
-    /// # Errors
-    /// As [`Operators::with_conditions`].
-    pub fn new(
-        network: &Network,
-        derivatives: Derivatives,
-        boundary: Boundary,
-    ) -> Result<Operators, PfvError> {
+    pub fn new(network: &Network, derivatives: Derivatives, boundary: Boundary) -> Operators {
         let conditions = PoreConditions::of_walls(network, &boundary);
         Operators::with_conditions(network, derivatives, conditions)
     }
 
-    /// Builds the operators of a network from its derivatives, with any conditions.
-    ///
-    /// # Errors
-    /// [`PfvError::IsolatedPore`] if a pore has no path to an imposed pressure.
+    /// Builds the operators of a network from its derivatives, with any conditions. Pores
+    /// without a path to an imposed pressure are found ([`Operators::sealed_pores`]).
     pub fn with_conditions(
         network: &Network,
         derivatives: Derivatives,
-        conditions: PoreConditions,
-    ) -> Result<Operators, PfvError> {
-        let mut unknown_of = vec![NONE; network.pores()];
-        let mut pore_of = Vec::with_capacity(network.pores());
-        for (i, unknown) in unknown_of.iter_mut().enumerate() {
-            if conditions.set_of(i).is_none() {
-                *unknown = pore_of.len() as u32;
-                pore_of.push(i as u32);
-            }
+        mut conditions: PoreConditions,
+    ) -> Operators {
+        // The search is serial: the other parts keep the other threads busy.
+        let find = || SealedPores::of(network, &conditions);
+        let build = || Parts::new(network, &derivatives, &conditions);
+        let (sealed, mut parts) = rayon::join(find, build);
+        if !sealed.is_empty() {
+            conditions.pin(sealed.pinned());
+            parts = Parts::new(network, &derivatives, &conditions);
         }
-        // The first part is serial: the others keep the other threads busy.
-        let (reach, (matrix, (boundary_flux, (forces, stencil)))) = rayon::join(
-            || check_reach(network, &conditions),
-            || {
-                let assemble = || assemble(network, &unknown_of, &pore_of);
-                let boundary_flux = || BoundaryFlux::new(network, &conditions);
-                let forces = || Forces::new(&network.tessellation, &derivatives.force_coefficient);
-                let stencil = || pore_of.par_iter().map(|&i| Stencil::of(network, i)).collect();
-                let last = || rayon::join(forces, stencil);
-                rayon::join(assemble, || rayon::join(boundary_flux, last))
-            },
-        );
-        reach?;
-        Ok(Operators {
+        let Parts { matrix, pore_of, unknown_of, boundary_flux, forces, stencil } = parts;
+        Operators {
             matrix,
             pore_of,
             unknown_of,
             boundary_flux,
             conditions,
+            sealed,
             stencil,
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
                 gradient: derivatives.volume_gradient,
             },
             forces,
-        })
+        }
     }
 
     /// What outlives operators that are no longer needed.
@@ -186,6 +198,11 @@ impl Operators {
     /// The condition of each pore.
     pub fn conditions(&self) -> &PoreConditions {
         &self.conditions
+    }
+
+    /// The pores without a path to an imposed pressure.
+    pub fn sealed_pores(&self) -> &SealedPores {
+        &self.sealed
     }
 
     /// Pressure imposed on a pore (Pa); `None` for a free one.
@@ -337,31 +354,6 @@ impl Forces {
             .iter()
             .zip(coefficients)
             .fold(Vec3::zeros(), |sum, (&p, per_pa)| sum + pressure[p as usize] * per_pa)
-    }
-}
-
-/// Every free pore must reach one with an imposed pressure through throats
-/// that conduct; otherwise its pressure is undetermined.
-fn check_reach(network: &Network, conditions: &PoreConditions) -> Result<(), PfvError> {
-    let mut reached: Vec<bool> =
-        (0..network.pores()).map(|pore| conditions.set_of(pore).is_some()).collect();
-    let mut todo: Vec<u32> = (0..reached.len() as u32).filter(|&i| reached[i as usize]).collect();
-    while let Some(i) = todo.pop() {
-        let around = network.tessellation.neighbors[i as usize];
-        for (j, g) in around.into_iter().zip(network.conductances_of(i as usize)) {
-            if j != NONE && g > 0.0 && !reached[j as usize] {
-                reached[j as usize] = true;
-                todo.push(j);
-            }
-        }
-    }
-    match reached.iter().position(|&r| !r) {
-        None => Ok(()),
-        Some(pore) => Err(PfvError::IsolatedPore {
-            pore: pore as u32,
-            vertices: network.tessellation.vertices_of(pore as u32),
-            others: reached.iter().filter(|&&r| !r).count() - 1,
-        }),
     }
 }
 

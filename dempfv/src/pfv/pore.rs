@@ -10,6 +10,12 @@ use crate::{Vec3, WallId};
 /// their sizes. Where spheres stand in rows, the bulge of the walls in the
 /// triangulation lets it find pores that are flat between planes.
 const FLAT: f64 = 1e-5;
+/// A pore between spheres is flat below this one: from there on its centre would be known to
+/// fewer than six digits. Any lattice has such pores, between spheres in a square.
+pub(super) const FLAT_SPHERES: f64 = 1e-10;
+/// Directions that the equations of a flat pore tell less about than this are left open.
+const UNKNOWN: f64 = 3.162_277_660_168_379_5e-3;
+const UNKNOWN_SPHERES: f64 = 1e-8;
 
 /// Centre, volume and volume gradient of one pore.
 pub(super) struct Pore {
@@ -94,22 +100,25 @@ fn power_center(frame: &Frame, roles: &Roles) -> Vec3 {
     let [a, b, c] = row;
     let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
     let determinant = a.dot(&bc);
-    if roles.count < 4 && determinant.abs() <= FLAT * a.norm() * b.norm() * c.norm() {
-        return flat_center(roles, x0, row, rhs);
+    let (flat, unknown) =
+        if roles.count < 4 { (FLAT, UNKNOWN) } else { (FLAT_SPHERES, UNKNOWN_SPHERES) };
+    if determinant.abs() <= flat * a.norm() * b.norm() * c.norm() {
+        return flat_center(roles, x0, (row, rhs), unknown);
     }
     x0 + (rhs[0] * bc + rhs[1] * ca + rhs[2] * ab) / determinant
 }
 
 /// The point nearest to the middle of a flat pore's spheres that lies on its
-/// walls and has equal power as far as the spheres' line tells: across that
-/// line nothing is known, and round-off would choose.
-fn flat_center(roles: &Roles, x0: Vec3, row: [Vec3; 3], rhs: [f64; 3]) -> Vec3 {
+/// walls and has equal power as far as the spheres' line or plane tells: across that
+/// nothing is known, and round-off would choose. Neighbours of the pore lie on both sides, and
+/// the resistance between them is the same wherever on the way its centre is.
+fn flat_center(roles: &Roles, x0: Vec3, (row, rhs): ([Vec3; 3], [f64; 3]), unknown: f64) -> Vec3 {
     let spheres = &roles.spheres[..roles.count];
     let middle = spheres.iter().map(|(_, x, _)| x - x0).sum::<Vec3>() / roles.count as f64;
     // Rows of one size, so that one bound tells flat from not.
     let unit = Matrix3::from_rows(&row.map(|r| r.normalize().transpose()));
     let wanted = Vec3::from_fn(|i, _| rhs[i] / row[i].norm()) - unit * middle;
-    let shift = unit.svd(true, true).solve(&wanted, FLAT.sqrt()).unwrap_or_else(|_| Vec3::zeros());
+    let shift = unit.svd(true, true).solve(&wanted, unknown).unwrap_or_else(|_| Vec3::zeros());
     x0 + middle + shift
 }
 

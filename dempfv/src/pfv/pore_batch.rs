@@ -7,7 +7,7 @@ use super::frame::FACETS;
 use super::lanes::{
     LANES, Lane, Lanes, add, cross, dot, get, load, load3, put, scale, store, store3, sub,
 };
-use super::pore::Pore;
+use super::pore::{FLAT_SPHERES, Pore};
 use crate::Vec3;
 
 /// The spheres of the pores, by component; then the results.
@@ -17,6 +17,8 @@ pub(super) struct PoreBatch {
     center: [Lane; 3],
     volume: Lane,
     gradient: [[Lane; 3]; 4],
+    /// Not 0 where the four spheres lie in a plane.
+    flat: Lane,
 }
 
 impl PoreBatch {
@@ -28,6 +30,7 @@ impl PoreBatch {
             center: [ZERO; 3],
             volume: ZERO,
             gradient: [[ZERO; 3]; 4],
+            flat: ZERO,
         }
     }
 
@@ -42,6 +45,12 @@ impl PoreBatch {
     /// Evaluates all pores.
     pub fn evaluate(&mut self) {
         pulp::Arch::new().dispatch(Evaluate(self));
+    }
+
+    /// Whether a pore is flat: it has to be evaluated on its own.
+    #[inline(always)]
+    pub fn is_flat(&self, l: usize) -> bool {
+        self.flat[l] != 0.0
     }
 
     /// The result for one pore.
@@ -85,13 +94,20 @@ fn evaluate<S: Simd>(simd: S, b: &mut PoreBatch, step: usize) {
     let r0 = load(simd, &b.r[0], step);
     let row = [sub(x[1], x[0]), sub(x[2], x[0]), sub(x[3], x[0])];
     let by = [cross(row[1], row[2]), cross(row[2], row[0]), cross(row[0], row[1])];
-    let mut sum = [Lanes::all(simd, 0.0); 3];
+    let (zero, one) = (Lanes::all(simd, 0.0), Lanes::all(simd, 1.0));
+    let mut sum = [zero; 3];
+    let mut lengths2 = one;
     for k in 0..3 {
         let r = load(simd, &b.r[k + 1], step);
-        let rhs = 0.5 * (dot(row[k], row[k]) + (r0 - r) * (r0 + r));
+        let length2 = dot(row[k], row[k]);
+        let rhs = 0.5 * (length2 + (r0 - r) * (r0 + r));
         sum = add(sum, scale(rhs, by[k]));
+        lengths2 = lengths2 * length2;
     }
-    let inverse = Lanes::all(simd, 1.0) / dot(row[0], by[0]);
+    let determinant = dot(row[0], by[0]);
+    let flat = ((FLAT_SPHERES * FLAT_SPHERES) * lengths2).above_or_at(determinant * determinant);
+    store(&mut b.flat, step, flat.choose(one, zero));
+    let inverse = one / determinant;
     store3(&mut b.center, step, add(x[0], scale(inverse, sum)));
     let sixth = Lanes::all(simd, -1.0 / 6.0);
     let mut gradient = [sum; 4];

@@ -56,6 +56,10 @@ pub struct PoreConditions {
     set_of: Vec<u32>,
     /// Pressure of each set (Pa); `None` for a wall that imposes none.
     pressure: Vec<Option<f64>>,
+    /// Pores at walls of different pressures.
+    contested: u32,
+    /// The last set holds pores that were pinned because nothing else determines their pressure.
+    pinned: bool,
 }
 
 impl PoreConditions {
@@ -64,7 +68,9 @@ impl PoreConditions {
     pub fn of_walls(network: &Network, boundary: &Boundary) -> PoreConditions {
         let cells = &network.tessellation.cells;
         let set_of = cells.iter().map(|&cell| imposing_wall(network, boundary, cell)).collect();
-        PoreConditions { set_of, pressure: boundary.pressure.values().copied().collect() }
+        let contested = cells.iter().filter(|&&cell| is_contested(network, boundary, cell)).count();
+        let pressure = boundary.pressure.values().copied().collect();
+        PoreConditions { set_of, pressure, contested: contested as u32, pinned: false }
     }
 
     /// Imposes a pressure (Pa) on pores of choice, whatever was imposed on them before.
@@ -109,7 +115,32 @@ impl PoreConditions {
         Ok(())
     }
 
-    /// Number of sets: six walls, and those imposed beside them.
+    /// Number of pores that touch walls of different pressures, and have that of the last of
+    /// these.
+    pub fn contested(&self) -> u32 {
+        self.contested
+    }
+
+    /// Pins the pressure of pores at the mean of the imposed ones, 0 where there are none: a
+    /// set of its own, the last.
+    pub(super) fn pin(&mut self, pores: impl Iterator<Item = u32>) {
+        let set = self.pressure.len() as u32;
+        for pore in pores {
+            self.set_of[pore as usize] = set;
+        }
+        let imposed = || self.pressure.iter().flatten();
+        let mean = imposed().sum::<f64>() / imposed().count().max(1) as f64;
+        self.pressure.push(Some(mean));
+        self.pinned = true;
+    }
+
+    /// Number of sets that were imposed: six walls, and those beside them.
+    pub(super) fn imposed_sets(&self) -> usize {
+        self.pressure.len() - usize::from(self.pinned)
+    }
+
+    /// Number of sets: six walls, those imposed beside them, and pores that were pinned
+    /// ([`SealedPores`](super::SealedPores)).
     pub fn sets(&self) -> usize {
         self.pressure.len()
     }
@@ -141,4 +172,12 @@ fn imposing_wall(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> u32 
     let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
     let imposing = walls.filter(|&wall| boundary.pressure[wall].is_some());
     imposing.map(|wall: WallId| wall.index() as u32).max().unwrap_or(FREE)
+}
+
+/// Whether walls of different pressures meet in a cell.
+fn is_contested(network: &Network, boundary: &Boundary, cell: [u32; 4]) -> bool {
+    let walls = cell.iter().filter_map(|&v| network.tessellation.wall(v));
+    let mut pressures = walls.filter_map(|wall| boundary.pressure[wall]);
+    let first = pressures.next();
+    pressures.any(|pressure| Some(pressure) != first)
 }

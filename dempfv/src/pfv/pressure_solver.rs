@@ -45,6 +45,9 @@ pub(super) struct SolveStatistics {
     pub imbalance: f64,
     /// The pressures are a solution.
     pub solved: bool,
+    /// What the last solve left, where that was more than the tolerance after all refinements:
+    /// the larger of the estimated error of the pressures and the imbalance (1).
+    pub unmet: Option<f64>,
 }
 
 /// What is solved for: pressures for these demands.
@@ -97,6 +100,7 @@ impl PressureSolver {
             self.statistics.solved = true;
             return Ok(());
         };
+        self.statistics.unmet = None;
         let problem = PressureProblem { operators, demand, extrapolation, pressure };
         let mut refined = RefinedPressures {
             factor,
@@ -110,9 +114,14 @@ impl PressureSolver {
             flux: &mut self.flux,
             last_change: 0.0,
             largest: 0.0,
+            error: 0.0,
         };
-        refine(&mut refined, MAX_CORRECTIONS)?;
-        let RefinedPressures { problem, largest, .. } = refined;
+        let settled = refine(&mut refined, MAX_CORRECTIONS)?;
+        let RefinedPressures { problem, largest, error, statistics, tolerance, .. } = refined;
+        if !settled {
+            let left = (error / largest).max(statistics.imbalance);
+            statistics.unmet = Some(left).filter(|&left| left > tolerance);
+        }
         let PressureProblem { extrapolation, pressure, .. } = problem;
         extrapolation.solved();
         if !largest.is_finite() {
@@ -199,6 +208,8 @@ struct RefinedPressures<'a> {
     last_change: f64,
     /// Largest pressure (Pa).
     largest: f64,
+    /// Estimated error of the pressures (Pa).
+    error: f64,
 }
 
 impl Refinement for RefinedPressures<'_> {
@@ -230,8 +241,8 @@ impl Refinement for RefinedPressures<'_> {
             extrapolation.observe_gain(change, self.last_change);
         }
         self.last_change = change;
-        let error = extrapolation.gain() * change;
-        let small = error <= self.tolerance * largest;
+        self.error = extrapolation.gain() * change;
+        let small = self.error <= self.tolerance * largest;
         if self.statistics.imbalance <= self.tolerance && small && (round > 0 || !self.gain_is_due)
         {
             ControlFlow::Break(())

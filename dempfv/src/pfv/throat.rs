@@ -3,10 +3,16 @@
 //!
 //! The formulas are those of Chareyre et al. 2012 as used by Caulk 2020
 //! (section 2.2), with walls as the exact limit of huge spheres.
+//!
+//! They count what two spheres cover twice, and a sphere's sector where it reaches past the
+//! facet, so that they fall below zero long before spheres that overlap close the throat, and
+//! where few small spheres drag, their hydraulic radius is wider than all there is. Geometry
+//! sets limits to them ([`ThroatLimit`]); between these the formulas hold to the bit.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::frame::{Frame, Vertex};
+use super::open_area::{Disc, OpenArea, Point, open_area};
 use crate::{Vec3, WallId};
 
 /// Throats shorter than this share of their width are evaluated at this
@@ -15,16 +21,40 @@ use crate::{Vec3, WallId};
 /// would choose the conductance between them, and its logarithm.
 pub(super) const MIN_LENGTH_PER_WIDTH: f64 = 1e-6;
 
-/// Which walls stand still with respect to the fluid.
+/// Least share of the cones over the open area that is fluid.
+pub(super) const LEAST_FLUID: f64 = 0.1;
+
+/// Round-off in a fluid area that is compared with the open one.
+const SAME_AREA: f64 = 1e-6;
+
+/// What limits a throat, where the formulas leave geometry.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ThroatLimit {
+    /// Nothing: the formulas hold.
+    #[default]
+    None,
+    /// Spheres overlap so much that the formulas leave less than half of what is open: the fluid
+    /// area is at least half the open area, the fluid volume a tenth of the cones between that
+    /// and the two pore centres.
+    Overlap,
+    /// The spheres leave nothing open.
+    Closed,
+    /// Little drags: the throat conducts no more than a tube around the facet and its spheres.
+    Tube,
+}
+
+/// Which walls stand still with respect to the fluid, and whether geometry has its say.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct WallFriction {
+pub(super) struct ThroatRules {
     /// Walls do not drag (YADE's default).
     pub slip: bool,
     /// Walls with an imposed pressure never drag.
     pub open: [bool; 6],
+    /// Throats keep the limits that geometry sets.
+    pub limited: bool,
 }
 
-impl WallFriction {
+impl ThroatRules {
     fn drags(&self, wall: WallId) -> bool {
         !self.slip && !self.open[wall.index()]
     }
@@ -46,6 +76,7 @@ pub(super) struct Throat {
     /// Force per unit of pressure in the first pore on each vertex of the
     /// facet (m²); the second pore's is the opposite.
     pub force_coefficient: [Vec3; 3],
+    pub limit: ThroatLimit,
 }
 
 impl Throat {
@@ -57,6 +88,7 @@ impl Throat {
         hydraulic_radius: 0.0,
         length: 1.0,
         force_coefficient: [Vec3::new(0.0, 0.0, 0.0); 3],
+        limit: ThroatLimit::Closed,
     };
 
     /// Conductance (m³/(Pa·s)): Poiseuille flow through the hydraulic radius.
@@ -71,7 +103,7 @@ impl Throat {
 /// a facet of three walls.
 pub(super) fn throat(
     frame: &Frame,
-    friction: WallFriction,
+    rules: ThroatRules,
     facet: [u32; 3],
     p1: Vec3,
     p2: Vec3,
@@ -91,7 +123,7 @@ pub(super) fn throat(
         solid_volume += r * r * r * omega / 3.0;
     }
     for &(k, wall) in &facet.wall[..3 - facet.spheres] {
-        if friction.drags(wall) {
+        if rules.drags(wall) {
             let edge = if facet.spheres == 2 {
                 facet.sphere[0].1 - facet.sphere[1].1
             } else {
@@ -101,37 +133,57 @@ pub(super) fn throat(
         }
     }
     let solid_area: f64 = solid.iter().sum();
-    let fluid_volume = facet.area_vector.dot(&(p1 - p2)).abs() / 3.0 - solid_volume;
-    let widening = if friction.slip {
+    let area = facet.area_vector.norm();
+    let apart = (p1 - p2).norm();
+    let Shares { fluid: fluid_area, spheres, mut limit } = match rules.limited {
+        true => facet.shares(frame, area),
+        false => facet.formula_shares(frame, area),
+    };
+    let mut fluid_volume = facet.area_vector.dot(&(p1 - p2)).abs() / 3.0 - solid_volume;
+    let cones = LEAST_FLUID * fluid_area * apart / 3.0;
+    if rules.limited && fluid_volume < cones {
+        (fluid_volume, limit) = (cones, limit.or(ThroatLimit::Overlap));
+    }
+    let widening = if rules.slip {
         [1.0, 0.5f64.sqrt().sqrt(), 0.5f64.sqrt()][3 - facet.spheres]
     } else {
         1.0
     };
-    let hydraulic_radius =
+    let mut hydraulic_radius =
         if solid_area > 0.0 { fluid_volume / solid_area * widening } else { 0.0 };
-    let area = facet.area_vector.norm();
-    let sectors = facet.sectors();
-    let fluid_area = (area - sectors.iter().sum::<f64>() + facet.overlap(frame)).abs();
+    let tube = facet.tube_radius(frame);
+    if rules.limited && fluid_area * (2.0 * hydraulic_radius).powi(2) > PI * tube.powi(4) {
+        hydraulic_radius = 0.5 * tube * tube * (PI / fluid_area).sqrt();
+        limit = limit.or(ThroatLimit::Tube);
+    }
     Some(Throat {
         fluid_area,
         fluid_volume,
         solid_area,
         hydraulic_radius,
-        length: (p1 - p2).norm().max(1e-6 * 2.0 * hydraulic_radius),
+        length: apart.max(1e-6 * 2.0 * hydraulic_radius),
         force_coefficient: force_coefficients(
-            &facet, area, fluid_area, &sectors, &solid, solid_area,
+            &facet, area, fluid_area, &spheres, &solid, solid_area,
         ),
+        limit,
     })
+}
+
+impl ThroatLimit {
+    /// The first of two limits that there is.
+    fn or(self, other: ThroatLimit) -> ThroatLimit {
+        if self == ThroatLimit::None { other } else { self }
+    }
 }
 
 /// Viscous part: the fluid's share of the facet, given to the facet's solids in
 /// proportion to their surface in the throat. Pressure part: each sphere's own
-/// sector of the facet.
+/// share of the facet.
 fn force_coefficients(
     facet: &Facet,
     area: f64,
     fluid_area: f64,
-    sectors: &[f64; 3],
+    spheres: &[f64; 3],
     solid: &[f64; 3],
     solid_area: f64,
 ) -> [Vec3; 3] {
@@ -139,7 +191,7 @@ fn force_coefficients(
     let mut coefficients = [Vec3::zeros(); 3];
     for k in 0..3 {
         let share = if solid_area > 0.0 { solid[k] / solid_area } else { 0.0 };
-        coefficients[k] = normal * (fluid_area * share + sectors[k]);
+        coefficients[k] = normal * (fluid_area * share + spheres[k]);
     }
     coefficients
 }
@@ -156,6 +208,15 @@ fn separate(facet: &Facet, p1: Vec3, p2: Vec3) -> (Vec3, Vec3) {
     let middle = 0.5 * (p1 + p2);
     let half = facet.area_vector * (0.5 * shortest / area);
     (middle - half, middle + half)
+}
+
+/// How a facet is shared out.
+struct Shares {
+    /// Area left to the fluid (m²).
+    fluid: f64,
+    /// Area of the sphere at each vertex (m²); none for walls.
+    spheres: [f64; 3],
+    limit: ThroatLimit,
 }
 
 /// The facet's spheres and walls, with their places among its three vertices.
@@ -270,6 +331,111 @@ impl Facet {
             }
         }
         0.0
+    }
+
+    /// The shares by the formulas alone.
+    fn formula_shares(&self, frame: &Frame, area: f64) -> Shares {
+        let sectors = self.sectors();
+        let fluid = (area - sectors.iter().sum::<f64>() + self.overlap(frame)).abs();
+        Shares { fluid, spheres: sectors, limit: ThroatLimit::None }
+    }
+
+    /// The fluid's area and each sphere's: their sectors, unless these overlap too much.
+    fn shares(&self, frame: &Frame, area: f64) -> Shares {
+        let sectors = self.sectors();
+        let reached = self.overlap(frame);
+        let fluid = area - sectors.iter().sum::<f64>() + reached;
+        if reached == 0.0 && fluid >= self.counted_twice(frame) {
+            return Shares { fluid, spheres: sectors, limit: ThroatLimit::None };
+        }
+        let OpenArea { open, covered } = self.open_area(frame);
+        if 0.5 * open <= fluid && fluid <= (1.0 + SAME_AREA) * open {
+            return Shares { fluid, spheres: sectors, limit: ThroatLimit::None };
+        }
+        let fluid = fluid.clamp(0.5 * open, open);
+        // What is pushed and what is passed make up the facet.
+        let scale = if area > open { (area - fluid) / (area - open) } else { 0.0 };
+        let mut spheres = [0.0; 3];
+        for (s, covered) in covered.into_iter().enumerate().take(self.spheres) {
+            spheres[self.sphere[s].0] = scale * covered;
+        }
+        let limit = if open > 0.0 { ThroatLimit::Overlap } else { ThroatLimit::Closed };
+        Shares { fluid, spheres, limit }
+    }
+
+    /// More than what sectors count twice or beyond a wall: the depth of each overlap times its
+    /// width.
+    fn counted_twice(&self, frame: &Frame) -> f64 {
+        let mut most = 0.0;
+        for s in 0..self.spheres {
+            let (_, x, r) = self.sphere[s];
+            for (_, y, q) in &self.sphere[s + 1..self.spheres] {
+                most += (r + q - (x - y).norm()).max(0.0) * r.min(*q);
+            }
+            for &(_, wall) in &self.wall[..3 - self.spheres] {
+                most += 2.0 * r * (r - frame.distance(wall, &x)).max(0.0);
+            }
+        }
+        most
+    }
+
+    /// What the spheres leave open of the facet, exactly.
+    fn open_area(&self, frame: &Frame) -> OpenArea {
+        let disc = |s: usize, center: Point| Disc { center, radius: self.sphere[s].2 };
+        let [(_, a, _), (_, b, _), (_, c, _)] = self.sphere;
+        let [(_, w1), (_, w2)] = self.wall;
+        match self.spheres {
+            3 => {
+                let (along, up) = (b - a, c - a);
+                let length = along.norm();
+                let x = if length > 0.0 { up.dot(&along) / length } else { 0.0 };
+                let y = (up.norm_squared() - x * x).max(0.0).sqrt();
+                let corner = [[0.0, 0.0], [length, 0.0], [x, y]];
+                open_area(&corner, &[disc(0, corner[0]), disc(1, corner[1]), disc(2, corner[2])])
+            }
+            2 => {
+                let (ha, hb) = (frame.distance(w1, &a), frame.distance(w1, &b));
+                let length = self.along_wall(w1);
+                let (a, b) = ([0.0, ha], [length, hb]);
+                open_area(&[[0.0, 0.0], [length, 0.0], b, a], &[disc(0, a), disc(1, b)])
+            }
+            _ => {
+                let (d1, d2) = (frame.distance(w1, &a), frame.distance(w2, &a));
+                let corner = [[0.0, 0.0], [d1, 0.0], [d1, d2], [0.0, d2]];
+                open_area(&corner, &[disc(0, corner[0])])
+            }
+        }
+    }
+
+    /// Distance of the first two spheres along a wall.
+    fn along_wall(&self, wall: WallId) -> f64 {
+        let mut along = self.sphere[1].1 - self.sphere[0].1;
+        along[wall.axis()] = 0.0;
+        along.norm()
+    }
+
+    /// Radius of a tube around the facet, with its mirror images behind walls, and its spheres.
+    fn tube_radius(&self, frame: &Frame) -> f64 {
+        let [(_, a, ra), (_, b, rb), (_, c, rc)] = self.sphere;
+        let [(_, w1), (_, w2)] = self.wall;
+        match self.spheres {
+            3 => {
+                let edge = [(c - b), (a - c), (b - a)].map(|edge| edge.norm_squared());
+                let (sum, longest) = (edge.iter().sum::<f64>(), edge[0].max(edge[1]).max(edge[2]));
+                // The smallest circle: over the longest edge, or through all three corners.
+                let around = if 2.0 * longest >= sum {
+                    0.25 * longest
+                } else {
+                    edge.iter().product::<f64>() / (16.0 * self.area_vector.norm_squared())
+                };
+                around.sqrt() + ra.max(rb).max(rc)
+            }
+            2 => {
+                let height = frame.distance(w1, &a).max(frame.distance(w1, &b));
+                (0.5 * self.along_wall(w1)).hypot(height) + ra.max(rb)
+            }
+            _ => frame.distance(w1, &a).hypot(frame.distance(w2, &a)) + ra,
+        }
     }
 
     /// The edge of the facet that a sphere may reach past; between a sphere and

@@ -1,12 +1,13 @@
 //! How fast viscosity stops the spheres: the bound that it sets to explicit
 //! time steps.
 
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::drag::DragScratch;
 use super::krylov::largest;
 use super::{Flow, PfvError};
-use crate::{Vec3, WallId};
+use crate::{PerWall, Vec3, WallId};
 
 /// The mode of the spheres that the fluid stops fastest: the largest
 /// eigenvalue of V M⁻¹, V = F G⁻¹ E (eq. A.9 of Caulk 2020), and its vector.
@@ -59,8 +60,8 @@ impl ViscousMode {
 /// A wall that the fluid pushes around.
 struct FreeWall {
     wall: WallId,
-    /// Force against its velocity per velocity (N·s/m).
-    resistance: f64,
+    /// See [`Flow::wall_resistance`] (N·s/m).
+    resistance: PerWall<f64>,
     /// Force against the motion of each sphere when it moves alone (N·s/m).
     field: Vec<Vec3>,
 }
@@ -73,11 +74,11 @@ impl Flow {
     /// saves some; a rate that turns out to be less than `negligible` (1/s)
     /// remains rough, on the safe side.
     ///
-    /// Walls in `servo` yield to the fluid: they move by the fluid's force on
-    /// them over their own resistance R, which keeps their own motion stable
+    /// Walls in `servo` yield to the fluid: together they move by the fluid's forces on
+    /// them over their resistances R, a matrix, which keeps their own motion stable
     /// for any time step but adds to that of the spheres. Where the mode
-    /// alternates from step to step such a wall moves at V_ws v / R, so the
-    /// spheres feel V + V_sw V_ws / R. Each wall counts alone.
+    /// alternates from step to step such walls move at R⁻¹ V_ws v, so the
+    /// spheres feel V + V_sw R⁻¹ V_ws.
     ///
     /// # Errors
     /// When a solve fails.
@@ -96,6 +97,7 @@ impl Flow {
         for wall in WallId::ALL.into_iter().filter(|w| servo[w.index()]) {
             walls.extend(self.free_wall(wall, &mut scratch)?);
         }
+        let yielding = YieldingWalls::new(&walls);
         let weight: Vec<f64> = mass.iter().map(|m| 1.0 / m.sqrt()).collect();
         let mut velocity = vec![Vec3::zeros(); mass.len()];
         let found = largest(mass.len(), start, negligible, |shape, out| {
@@ -103,8 +105,8 @@ impl Flow {
                 *v = *w * s;
             }
             let wall_force = self.drag(&velocity, &[0.0; 6], &mut scratch, out)?;
-            for FreeWall { wall, resistance, field } in &walls {
-                let speed = -wall_force[wall.index()][wall.axis()] / resistance;
+            let speeds = yielding.speeds(&wall_force);
+            for (FreeWall { field, .. }, speed) in walls.iter().zip(speeds) {
                 out.iter_mut().zip(field).for_each(|(f, per_speed)| *f -= speed * per_speed);
             }
             out.iter_mut().zip(&weight).for_each(|(f, w)| *f *= -w);
@@ -130,6 +132,35 @@ impl Flow {
         let mut field = vec![Vec3::zeros(); spheres];
         let resistance = self.wall_drag(wall, scratch, &mut field)?;
         field.iter_mut().for_each(|f| *f = -*f);
-        Ok((resistance > 0.0).then_some(FreeWall { wall, resistance, field }))
+        Ok((resistance[wall] > 0.0).then_some(FreeWall { wall, resistance, field }))
+    }
+}
+
+/// Walls that the fluid pushes around, together.
+struct YieldingWalls {
+    walls: Vec<WallId>,
+    inverse: DMatrix<f64>,
+}
+
+impl YieldingWalls {
+    fn new(walls: &[FreeWall]) -> YieldingWalls {
+        let entry = |i: usize, j: usize| {
+            let (a, b) = (walls[i].wall, walls[j].wall);
+            // Along the axes.
+            walls[j].resistance[a] * a.inward() * b.inward()
+        };
+        let matrix = DMatrix::from_fn(walls.len(), walls.len(), entry);
+        // Walls that cannot be told apart yield each by itself.
+        let alone = || DMatrix::from_diagonal(&matrix.diagonal().map(|r| 1.0 / r));
+        let inverse = matrix.clone().try_inverse().unwrap_or_else(alone);
+        YieldingWalls { walls: walls.iter().map(|w| w.wall).collect(), inverse }
+    }
+
+    /// Speeds along their axes (m/s) that spheres whose motion puts these forces on the walls
+    /// (N) make of the walls in the next step.
+    fn speeds(&self, wall_force: &[Vec3; 6]) -> Vec<f64> {
+        let along = |w: &WallId| -wall_force[w.index()][w.axis()];
+        let force = DVector::from_iterator(self.walls.len(), self.walls.iter().map(along));
+        (&self.inverse * force).iter().copied().collect()
     }
 }

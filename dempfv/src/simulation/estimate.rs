@@ -6,7 +6,9 @@
 //! The solvers tell of themselves ([`SolverKind::cost`](crate::solver::SolverKind::cost)).
 //! Where exact counts are known, they are used.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
 
 use crate::coupling::{
     OnFailure, RemeshMode, TimeStepBounds, TimeStepRule, Update, viscous_time_step,
@@ -75,10 +77,14 @@ fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
     let coupled = plan.stages.iter().any(|s| s.kind.is_coupled());
     let fluid = plan.fluid.as_ref().filter(|_| coupled);
+    let undamped = plan.dem.as_ref().is_some_and(|dem| dem.options.damping == 0.0);
+    // As `Dem::collision_time_step`, with k_n = E r.
+    let collision = std::f64::consts::PI * (mass / (2.0 * material.young * r)).sqrt() / 16.0;
     TimeStepBounds {
         contact: (2.0 * mass / stiffness).sqrt(),
         viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.fluid.viscosity)),
         viscous: None,
+        collision: undamped.then_some(collision),
     }
 }
 
@@ -114,7 +120,7 @@ pub struct Estimate {
 }
 
 /// A stage whose time step is fixed above its limit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnstableStage {
     /// The stage's name.
     pub stage: String,
@@ -127,7 +133,8 @@ pub struct UnstableStage {
 }
 
 impl UnstableStage {
-    fn of(plan: &Plan, stage: &Stage, bounds: TimeStepBounds) -> Option<UnstableStage> {
+    /// A stage whose fixed time step is above the limit that these bounds set.
+    pub(super) fn of(plan: &Plan, stage: &Stage, bounds: TimeStepBounds) -> Option<UnstableStage> {
         let TimeStep::Fixed(dt) = plan.mechanics(stage)?.dt else { return None };
         let bounds = match stage.kind.is_coupled() {
             true => bounds,
@@ -135,6 +142,17 @@ impl UnstableStage {
         };
         let (limit, rule) = (bounds.limit(), bounds.rule());
         (dt > limit).then(|| UnstableStage { stage: stage.name.clone(), dt, limit, rule })
+    }
+}
+
+impl fmt::Display for UnstableStage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let UnstableStage { stage, dt, limit, rule } = self;
+        write!(
+            f,
+            "stage \"{stage}\": the time step of {dt:.3e} s is above the limit of about {limit:.3e} s that is \
+             set by {rule}: expect it to blow up; take a smaller dt, or dt = \"auto\""
+        )
     }
 }
 
@@ -198,13 +216,7 @@ impl Estimate {
 
     /// What a user should know before such a run begins.
     pub fn warnings(&self) -> Vec<String> {
-        let text = |UnstableStage { stage, dt, limit, rule }: &UnstableStage| {
-            format!(
-                "stage \"{stage}\": the time step of {dt:.3e} s is above the limit of about {limit:.3e} s that is set by \
-                 {rule}: expect it to blow up; take a smaller dt, or dt = \"auto\""
-            )
-        };
-        self.unstable_stages.iter().map(text).collect()
+        self.unstable_stages.iter().map(UnstableStage::to_string).collect()
     }
 }
 
@@ -339,6 +351,9 @@ mod tests {
     use super::*;
     use std::path::Path;
 
+    const UNKNOWN: TimeStepBounds =
+        TimeStepBounds { contact: 0.0, viscous: None, viscous_estimate: None, collision: None };
+
     fn near(value: f64, expected: f64, tolerance: f64) {
         assert!((value / expected - 1.0).abs() < tolerance, "{value} against {expected}");
     }
@@ -425,7 +440,7 @@ mod tests {
     #[test]
     fn an_unstable_step_is_warned_of() {
         let plan = coupled_plan(10, "remesh_interval = 200");
-        let bounds = |contact| TimeStepBounds { contact, viscous: None, viscous_estimate: None };
+        let bounds = |contact| TimeStepBounds { contact, ..UNKNOWN };
         let estimate = |contact| {
             let specimen =
                 Specimen { spheres: 10, bounds: Some(bounds(contact)), ..Specimen::default() };
@@ -441,7 +456,7 @@ mod tests {
     fn each_stage_is_held_against_its_own_step() {
         let mut plan = coupled_plan(10, "remesh_interval = 200");
         let (contact, viscous) = (1.1e-6, Some(1e-9));
-        let bounds = TimeStepBounds { contact, viscous, viscous_estimate: None };
+        let bounds = TimeStepBounds { contact, viscous, ..UNKNOWN };
         let specimen = Specimen { spheres: 10, bounds: Some(bounds), ..Specimen::default() };
         let warned = |plan: &Plan| Estimate::with_threads(plan, &specimen, 1).warnings().len();
         assert_eq!(warned(&plan), 1);

@@ -26,6 +26,7 @@ mod run;
 mod setup;
 mod stability;
 mod stages;
+mod warning;
 
 pub use crate::stage_error::StageError;
 pub use estimate::{Estimate, Specimen, UnstableStage};
@@ -36,3 +37,4 @@ pub use outcome::{
 pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
 pub use stability::Stability;
+pub use warning::Warning;

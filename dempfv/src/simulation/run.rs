@@ -8,9 +8,10 @@ use super::clock::Clock;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::setup;
 use super::stages::{Active, Context, Progress};
+use super::warning::Warning;
 use crate::coupling::{
     Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
-    TimeStepBounds,
+    TimeStepBounds, UnmetTolerance,
 };
 use crate::dem::law::Linear;
 use crate::scene::{Plan, Stage};
@@ -30,6 +31,7 @@ pub struct Simulation {
     stage_start: (u64, f64),
     outcomes: Vec<StageOutcome>,
     previous_remeshes: u64,
+    warnings: Vec<Warning>,
 }
 
 /// Everything that a checkpoint must hold to go on with the same bits.
@@ -41,6 +43,7 @@ pub struct SimulationState {
     stage_start: (u64, f64),
     outcomes: Vec<StageOutcome>,
     remeshes: u64,
+    warnings: Vec<Warning>,
     coupled: CoupledState,
 }
 
@@ -74,6 +77,7 @@ impl Simulation {
             stage_start: (0, 0.0),
             outcomes: vec![],
             previous_remeshes: 0,
+            warnings: vec![],
         })
     }
 
@@ -117,6 +121,7 @@ impl Simulation {
             stage_start: state.stage_start,
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
+            warnings: state.warnings,
         })
     }
 
@@ -140,7 +145,10 @@ impl Simulation {
 
     fn try_advance(&mut self) -> Result<bool> {
         let Some(stage) = self.plan.stages.get(self.stage) else { return Ok(false) };
+        let stage_steps = self.clock.step - self.stage_start.0;
         let mut context = Context {
+            stage_steps,
+            warnings: &mut self.warnings,
             plan: &self.plan,
             stage,
             coupled: &mut self.coupled,
@@ -245,6 +253,20 @@ impl Simulation {
         self.previous_remeshes + self.coupled.remeshes()
     }
 
+    /// What a user should know of the run so far, a sentence each: of its stages, then of the
+    /// networks of this session.
+    pub fn warnings(&self) -> Vec<String> {
+        let UnmetTolerance { steps, first, worst } = self.coupled.unmet_tolerance();
+        let unmet = (steps > 0).then(|| {
+            format!(
+                "{steps} solves left more than the tolerance asks for, up to {worst:.1e}, the first at step {first}: \
+                 ask for less, or take another solver"
+            )
+        });
+        let networks = self.coupled.remesh_counts().remarks.warnings();
+        self.warnings.iter().map(Warning::to_string).chain(unmet).chain(networks).collect()
+    }
+
     /// What the finished stages found out.
     pub fn outcomes(&self) -> &[StageOutcome] {
         &self.outcomes
@@ -275,6 +297,7 @@ impl Simulation {
             stage_start: self.stage_start,
             outcomes: self.outcomes.clone(),
             remeshes: self.remeshes(),
+            warnings: self.warnings.clone(),
             coupled: self.coupled.state(),
         }
     }

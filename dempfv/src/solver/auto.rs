@@ -3,14 +3,15 @@
 use super::cost::FRONTAL_FROM;
 use super::frontal::{FrontalFactor, FrontalSymbolic};
 use super::{
-    Analysis, Backend, Cholmod, Cost, Factor, Placement, SolverError, Symbolic, SymmetricCsc,
-    SystemSize, cholmod, cost,
+    Analysis, Backend, Cholmod, Cost, Factor, Frontal, Placement, SolverError, Symbolic,
+    SymmetricCsc, SystemSize, cholmod, cost,
 };
 
 /// CHOLMOD for small systems, the frontal solver for large ones. Where the frontal solver
 /// refuses a matrix, since it is no diagonally dominant M-matrix (an entry off the diagonal is
 /// positive, or a row has a negative sum), or since the pattern has too many entries for it,
-/// CHOLMOD takes it.
+/// CHOLMOD takes it. Where CHOLMOD finds a small system singular to working precision, as networks with
+/// nearly closed throats are to it, the frontal solver tries, which cancels nothing.
 ///
 /// Which one it is depends on the matrix alone, never on what was factored before: a refactored
 /// matrix has the bits of a fresh factor.
@@ -28,7 +29,9 @@ impl Backend for Auto {
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<Box<dyn Symbolic>, SolverError> {
         if a.n < FRONTAL_FROM {
-            return Cholmod.analyze(a, coordinates);
+            let cholmod = Cholmod.analyze(a, coordinates)?;
+            let coordinates = coordinates.map(<[_]>::to_vec);
+            return Ok(Box::new(SmallSymbolic { cholmod, coordinates }));
         }
         match FrontalSymbolic::new(a, coordinates) {
             Ok(frontal) => Ok(Box::new(AutoSymbolic { frontal })),
@@ -84,7 +87,9 @@ impl AutoFactor {
         }
         Ok(())
     }
+}
 
+impl Chosen for AutoFactor {
     fn active(&self) -> &dyn Factor {
         match &self.cholmod {
             Some(cholmod) => &**cholmod,
@@ -98,9 +103,98 @@ impl AutoFactor {
             None => &mut self.frontal,
         }
     }
+
+    fn factor_again(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        self.factorize(a)?;
+        Ok(self)
+    }
+
+    fn memory(&self) -> usize {
+        let held = self.cholmod.as_ref().map_or(0, |factor| factor.memory_bytes());
+        held + self.frontal.memory_bytes()
+    }
 }
 
-impl Factor for AutoFactor {
+/// The pattern of a small system.
+struct SmallSymbolic {
+    cholmod: Box<dyn Symbolic>,
+    coordinates: Option<Vec<[f64; 3]>>,
+}
+
+impl Symbolic for SmallSymbolic {
+    fn analysis(&self) -> Analysis {
+        self.cholmod.analysis()
+    }
+
+    fn factor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        let SmallSymbolic { cholmod, coordinates } = *self;
+        let cholmod = cholmod.factor(a);
+        Ok(Box::new(SmallFactor::new(cholmod, a, coordinates)?))
+    }
+}
+
+/// A factor of a small system, by the solver that has found it regular.
+struct SmallFactor {
+    factor: Box<dyn Factor>,
+    by_frontal: bool,
+    coordinates: Option<Vec<[f64; 3]>>,
+}
+
+impl SmallFactor {
+    /// CHOLMOD's factor, or that of the frontal solver where there is none.
+    fn new(
+        cholmod: Result<Box<dyn Factor>, SolverError>,
+        a: &SymmetricCsc,
+        coordinates: Option<Vec<[f64; 3]>>,
+    ) -> Result<SmallFactor, SolverError> {
+        let singular = match cholmod {
+            Ok(factor) => return Ok(SmallFactor { factor, by_frontal: false, coordinates }),
+            Err(
+                e @ (SolverError::NotPositiveDefinite { .. } | SolverError::NearlySingular { .. }),
+            ) => e,
+            Err(error) => return Err(error),
+        };
+        let frontal = Frontal.analyze(a, coordinates.as_deref())?.factor(a);
+        // What CHOLMOD has found is the better reason.
+        let factor = frontal.map_err(|_| singular)?;
+        Ok(SmallFactor { factor, by_frontal: true, coordinates })
+    }
+}
+
+impl Chosen for SmallFactor {
+    fn active(&self) -> &dyn Factor {
+        &*self.factor
+    }
+
+    fn active_mut(&mut self) -> &mut dyn Factor {
+        &mut *self.factor
+    }
+
+    fn factor_again(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        let SmallFactor { factor, by_frontal, coordinates } = *self;
+        let cholmod = match by_frontal {
+            true => Cholmod.analyze(a, coordinates.as_deref())?.factor(a),
+            false => factor.refactor(a),
+        };
+        Ok(Box::new(SmallFactor::new(cholmod, a, coordinates)?))
+    }
+
+    fn memory(&self) -> usize {
+        self.factor.memory_bytes()
+    }
+}
+
+/// A factor that is that of one of several solvers.
+trait Chosen: Send {
+    fn active(&self) -> &dyn Factor;
+    fn active_mut(&mut self) -> &mut dyn Factor;
+    /// See [`Factor::refactor`].
+    fn factor_again(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError>;
+    /// See [`Factor::memory_bytes`].
+    fn memory(&self) -> usize;
+}
+
+impl<C: Chosen> Factor for C {
     fn solver(&self) -> &'static str {
         self.active().solver()
     }
@@ -130,14 +224,12 @@ impl Factor for AutoFactor {
         self.active_mut().correct_checked(a, r, x)
     }
 
-    fn refactor(mut self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
-        self.factorize(a)?;
-        Ok(self)
+    fn refactor(self: Box<Self>, a: &SymmetricCsc) -> Result<Box<dyn Factor>, SolverError> {
+        self.factor_again(a)
     }
 
     fn memory_bytes(&self) -> usize {
-        let held = self.cholmod.as_ref().map_or(0, |factor| factor.memory_bytes());
-        held + self.frontal.memory_bytes()
+        self.memory()
     }
 
     fn placement(&self) -> &Placement {

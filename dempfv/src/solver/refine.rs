@@ -22,18 +22,19 @@ pub(crate) trait Refinement {
     fn correct(&mut self, round: usize) -> ControlFlow<()>;
 }
 
-/// Corrects a solution until its own rule says stop, `rounds` times at most.
+/// Corrects a solution until its own rule says stop, `rounds` times at most. Returns whether the
+/// rule said so.
 ///
 /// # Errors
 /// As [`Refinement::evaluate_correction`].
 #[inline]
-pub(crate) fn refine(solution: &mut impl Refinement, rounds: usize) -> Result<(), SolverError> {
+pub(crate) fn refine(solution: &mut impl Refinement, rounds: usize) -> Result<bool, SolverError> {
     for round in 0..rounds {
         solution.evaluate_residual();
         solution.evaluate_correction()?;
         if solution.correct(round).is_break() {
-            break;
+            return Ok(true);
         }
     }
-    Ok(())
+    Ok(false)
 }

@@ -86,16 +86,8 @@ impl Input {
     }
 
     /// The sparse operators of a network.
-    ///
-    /// # Errors
-    /// A pressure is undetermined.
-    pub fn operators(
-        &self,
-        network: &Network,
-        derivatives: Derivatives,
-    ) -> Result<Operators, Error> {
+    pub fn operators(&self, network: &Network, derivatives: Derivatives) -> Operators {
         Operators::new(network, derivatives, self.fluid.boundary)
-            .map_err(|e| dempfv::Error::from(e).into())
     }
 }
 
@@ -107,7 +99,7 @@ fn build(input: &Input) -> Result<Built, Error> {
         let (network, derivatives) = input.network()?;
         let network_s = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        input.operators(&network, derivatives)?;
+        input.operators(&network, derivatives);
         let operators_s = start.elapsed().as_secs_f64();
         best = Built {
             network_s: best.network_s.min(network_s),

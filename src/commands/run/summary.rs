@@ -64,6 +64,8 @@ pub struct Report {
     /// What became of the factorizations; `None` unless the solver asks for a GPU.
     gpu: Option<GpuUse>,
     effects: Vec<&'static str>,
+    /// What a user should know, a sentence each.
+    warnings: Vec<String>,
     versions: BTreeMap<&'static str, String>,
     state_hash: String,
     stages: Vec<FinishedStage>,
@@ -144,6 +146,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
+            warnings: simulation.warnings(),
             versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: plan.stages.iter().zip(simulation.outcomes()).map(stage).collect(),
@@ -275,6 +278,7 @@ impl fmt::Display for Report {
         if let Some(gpu) = &self.gpu {
             writeln!(f, "  {}", gpu_line(gpu))?;
         }
+        self.warnings.iter().try_for_each(|w| writeln!(f, "  warning: {w}"))?;
         if !self.finished {
             writeln!(
                 f,

@@ -1,10 +1,18 @@
 //! What a stage works on.
 
 use crate::coupling::Coupled;
-use crate::scene::{Dem, Plan, Stage};
+use crate::scene::{Dem, Plan, Stage, TimeStep};
 use crate::simulation::clock::Clock;
+use crate::simulation::estimate::UnstableStage;
 use crate::simulation::outcome::{Outcome, StageOutcome};
+use crate::simulation::warning::{Warning, warn};
 use crate::{InputError, Result};
+
+/// Steps of a stage between two looks at whether its fixed time step is stable.
+const STEPS_BETWEEN_LOOKS: u64 = 1_000;
+/// The viscous limit of packings of up to so many spheres is found from the network itself,
+/// which takes some solves; of larger ones it is the paper's estimate.
+const MEASURED: usize = 20_000;
 
 /// What a stage works on.
 pub(in crate::simulation) struct Context<'a> {
@@ -13,6 +21,9 @@ pub(in crate::simulation) struct Context<'a> {
     pub stage: &'a Stage,
     pub coupled: &'a mut Coupled,
     pub clock: &'a mut Clock,
+    /// Steps that the stage has done.
+    pub stage_steps: u64,
+    pub warnings: &'a mut Vec<Warning>,
     pub outcomes: &'a [StageOutcome],
 }
 
@@ -33,9 +44,25 @@ impl Context<'_> {
     /// the pores are filled.
     pub fn step(&mut self) -> Result<()> {
         let Dem { dt, safety, .. } = self.mechanics();
+        if matches!(dt, TimeStep::Fixed(_)) && self.stage_steps.is_multiple_of(STEPS_BETWEEN_LOOKS)
+        {
+            self.watch_fixed_step()?;
+        }
         let dt = self.clock.next_dt(dt, safety, self.coupled)?;
         self.coupled.step(dt)?;
         self.clock.advance();
+        Ok(())
+    }
+
+    /// Warns of a fixed time step above its limit.
+    fn watch_fixed_step(&mut self) -> Result<()> {
+        if self.coupled.dem().len() <= MEASURED {
+            self.coupled.update_viscous_mode(true)?;
+        }
+        let bounds = self.coupled.time_step_bounds();
+        if let Some(unstable) = UnstableStage::of(self.plan, self.stage, bounds) {
+            warn(self.warnings, Warning::UnstableTimeStep(unstable));
+        }
         Ok(())
     }
 

@@ -167,7 +167,7 @@ impl Loading {
             packing.path, self.dt
         );
         if let Some(Wet { viscosity, remesh_interval, clamp }) = self.wet {
-            let clamp = if clamp { "yade" } else { "none" };
+            let clamp = if clamp { "yade" } else { "unlimited" };
             text += &format!(
                 "[fluid]\nviscosity = {viscosity:?}\nremesh_interval = {remesh_interval}\n\
                  slip_walls = true\nclamp = \"{clamp}\"\npressure = {{ y_max = 0.0 }}\n"

@@ -40,7 +40,7 @@ impl Case {
 
     /// The fluid with these settings: 1 Pa at the bottom, 0 at the top.
     pub fn fluid(self) -> Fluid {
-        let clamp = if self.clamp { Clamp::Yade } else { Clamp::None };
+        let clamp = if self.clamp { Clamp::Yade } else { Clamp::Unlimited };
         Fluid { viscosity: VISCOSITY, slip_walls: self.slip, clamp, boundary: boundary() }
     }
 }

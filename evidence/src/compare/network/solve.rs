@@ -33,8 +33,7 @@ impl Solution {
     ) -> Result<Solution, Error> {
         let mut network = network.clone();
         network.throats.conductance = conductance;
-        let operators = Operators::new(&network, derivatives.clone(), boundary())
-            .map_err(dempfv::Error::from)?;
+        let operators = Operators::new(&network, derivatives.clone(), boundary());
         let places: Vec<[f64; 3]> =
             operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
         let (pores, unknowns) = (network.pores(), operators.unknowns());

@@ -51,8 +51,7 @@ impl Build {
                 Network::new(&packing.position, &packing.radius, bounds, &fluid)
                     .map_err(dempfv::Error::from)?;
             built.network_s.push(start.elapsed().as_secs_f64());
-            let operators = Operators::new(&network, derivatives, fluid.boundary)
-                .map_err(dempfv::Error::from)?;
+            let operators = Operators::new(&network, derivatives, fluid.boundary);
             built.all_s.push(start.elapsed().as_secs_f64());
             drop(operators);
             built.pores = network.pores() as f64;

@@ -73,8 +73,7 @@ impl Meshed {
         let fluid = fluid();
         let (network, derivatives) =
             Network::new(position, radius, bounds, &fluid).map_err(dempfv::Error::from)?;
-        let operators =
-            Operators::new(&network, derivatives, fluid.boundary).map_err(dempfv::Error::from)?;
+        let operators = Operators::new(&network, derivatives, fluid.boundary);
         let center = |&i: &u32| network.center[i as usize].into();
         let points = operators.pore_of.iter().map(center).collect();
         Ok(Meshed { network, operators, points })

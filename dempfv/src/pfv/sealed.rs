@@ -1,0 +1,108 @@
+//! Pores without a path to an imposed pressure.
+
+use serde::Serialize;
+
+use super::{NONE, Network, PfvError, PoreConditions};
+
+/// Part of what a sealed group swallows and gives off that is round-off.
+const BALANCED: f64 = 1e-9;
+
+/// Pores that no throat joins to an imposed pressure: in a box without one, or shut in by
+/// spheres that overlap.
+///
+/// The pressures of a group are known but for a constant, and only where its pores together
+/// keep their volume. One pore of each is pinned at the mean of the imposed pressures (0 where
+/// there are none), and a solve is refused where the group would have to swallow fluid. Pores
+/// that the spheres fill have no fluid: they are pinned, too, and may change as they like.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SealedPores {
+    /// Pores that throats join to each other and to nothing else; the first of each group is
+    /// pinned.
+    pub groups: Vec<Vec<u32>>,
+    /// Pores that the spheres fill.
+    pub filled: Vec<u32>,
+}
+
+impl SealedPores {
+    /// The sealed pores of a network under these conditions.
+    pub(super) fn of(network: &Network, conditions: &PoreConditions) -> SealedPores {
+        let mut reached: Vec<bool> =
+            (0..network.pores()).map(|pore| conditions.set_of(pore).is_some()).collect();
+        let imposed = (0u32..).zip(&reached).filter(|(_, imposed)| **imposed).map(|(i, _)| i);
+        let mut todo: Vec<u32> = imposed.collect();
+        spread(network, &mut todo, &mut reached, |_| ());
+        let mut sealed = SealedPores::default();
+        for pore in 0..network.pores() {
+            if reached[pore] {
+                continue;
+            }
+            if network.is_filled(pore) {
+                sealed.filled.push(pore as u32);
+                continue;
+            }
+            reached[pore] = true;
+            todo.push(pore as u32);
+            let mut group = vec![];
+            spread(network, &mut todo, &mut reached, |pore| group.push(pore));
+            group.sort_unstable();
+            sealed.groups.push(group);
+        }
+        sealed
+    }
+
+    /// True when every pore has a path to an imposed pressure.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty() && self.filled.is_empty()
+    }
+
+    /// Number of pores in all groups; those that are filled do not count.
+    pub fn in_groups(&self) -> usize {
+        self.groups.iter().map(Vec::len).sum()
+    }
+
+    /// The pores whose pressure is pinned.
+    pub(super) fn pinned(&self) -> impl Iterator<Item = u32> + '_ {
+        self.groups.iter().filter_map(|group| group.first()).chain(&self.filled).copied()
+    }
+
+    /// Refuses what a group of sealed pores cannot swallow (m³/s).
+    ///
+    /// # Errors
+    /// [`PfvError::SealedPores`] names the group.
+    pub(super) fn check(&self, network: &Network, demand: &[f64]) -> Result<(), PfvError> {
+        for group in &self.groups {
+            let rates = || group.iter().map(|&pore| demand[pore as usize]);
+            let (net, moved) = (rates().sum::<f64>(), rates().map(f64::abs).sum::<f64>());
+            if net.abs() > BALANCED * moved {
+                let pore = group[0];
+                let vertices = network.tessellation.vertices_of(pore);
+                return Err(PfvError::SealedPores {
+                    pore,
+                    vertices,
+                    pores: group.len(),
+                    rate: net,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Marks all that throats join to the pores in `todo`, which are marked.
+fn spread(
+    network: &Network,
+    todo: &mut Vec<u32>,
+    reached: &mut [bool],
+    mut visit: impl FnMut(u32),
+) {
+    while let Some(i) = todo.pop() {
+        visit(i);
+        let around = network.tessellation.neighbors[i as usize];
+        for (j, g) in around.into_iter().zip(network.conductances_of(i as usize)) {
+            if j != NONE && g > 0.0 && !reached[j as usize] {
+                reached[j as usize] = true;
+                todo.push(j);
+            }
+        }
+    }
+}
