@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::coupling::CouplingError;
+use crate::coupling::{CouplingError, TimeStepRule};
 use crate::dem::DemError;
 use crate::input::InputError;
 use crate::io::IoError;
@@ -51,6 +51,21 @@ pub enum Error {
         /// What failed.
         source: Box<Error>,
     },
+    /// A failure under a time step above its limit, which is the likely cause.
+    #[error(
+        "{source}; the likely cause: the time step of {dt:.3e} s is above the limit of {limit:.3e} s that is set by \
+         {rule}; take a smaller dt, or dt = \"auto\""
+    )]
+    Unstable {
+        /// What failed.
+        source: Box<Error>,
+        /// The time step (s).
+        dt: f64,
+        /// The largest stable one (s).
+        limit: f64,
+        /// What sets it.
+        rule: TimeStepRule,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Io(IoError),
@@ -76,7 +91,7 @@ impl Error {
             Error::Dem(error) => CouplingError::from(error.clone()).spoils_state(),
             Error::Pfv(error) => CouplingError::from(error.clone()).spoils_state(),
             Error::Coupling(error) => error.spoils_state(),
-            Error::AtStep { source, .. } => source.spoils_state(),
+            Error::AtStep { source, .. } | Error::Unstable { source, .. } => source.spoils_state(),
             _ => false,
         }
     }

@@ -37,4 +37,4 @@ pub use outcome::{
 pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
 pub use stability::Stability;
-pub use warning::Warning;
+pub use warning::{ServoMissed, Warning};

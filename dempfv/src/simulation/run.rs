@@ -15,7 +15,7 @@ use crate::coupling::{
 };
 use crate::dem::law::Linear;
 use crate::scene::{Plan, Stage};
-use crate::{Error, InputError, Result};
+use crate::{Error, InputError, PerWall, Result};
 
 /// A plan being carried out.
 ///
@@ -32,7 +32,11 @@ pub struct Simulation {
     outcomes: Vec<StageOutcome>,
     previous_remeshes: u64,
     warnings: Vec<Warning>,
+    stress_extremes: PerWall<[f64; 2]>,
 }
+
+/// No stress was seen yet.
+const NO_STRESS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Everything that a checkpoint must hold to go on with the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +48,7 @@ pub struct SimulationState {
     outcomes: Vec<StageOutcome>,
     remeshes: u64,
     warnings: Vec<Warning>,
+    stress_extremes: PerWall<[f64; 2]>,
     coupled: CoupledState,
 }
 
@@ -78,6 +83,7 @@ impl Simulation {
             outcomes: vec![],
             previous_remeshes: 0,
             warnings: vec![],
+            stress_extremes: PerWall([NO_STRESS; 6]),
         })
     }
 
@@ -122,6 +128,7 @@ impl Simulation {
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
             warnings: state.warnings,
+            stress_extremes: state.stress_extremes,
         })
     }
 
@@ -137,10 +144,37 @@ impl Simulation {
     /// [`Error::AtStep`] says at which step what went wrong.
     pub fn advance(&mut self) -> Result<bool> {
         let step = self.clock.step;
-        self.try_advance().map_err(|source| match source {
+        let advanced = self.try_advance();
+        // A step may be complete, and its stage the failure.
+        for (wall, [low, high]) in self.stress_extremes.iter_mut() {
+            let stress = self.coupled.wall_stress(wall);
+            (*low, *high) = (low.min(stress), high.max(stress));
+        }
+        advanced.map_err(|source| match source {
             Error::Input(input) => Error::Input(input),
-            source => Error::AtStep { step, source: Box::new(source) },
+            source => Error::AtStep { step, source: Box::new(self.with_cause(source)) },
         })
+    }
+
+    /// Lowest and highest stress on each wall (Pa), by contacts and fluid together, of any step
+    /// since the simulation began or [`Simulation::reset_stress_extremes`] was called last.
+    pub fn stress_extremes(&self) -> &PerWall<[f64; 2]> {
+        &self.stress_extremes
+    }
+
+    /// Begins to look for the extremes of stress anew.
+    pub fn reset_stress_extremes(&mut self) {
+        self.stress_extremes = PerWall([NO_STRESS; 6]);
+    }
+
+    /// A failure of a step, with the time step as its cause where that is above the limit.
+    fn with_cause(&mut self, source: Error) -> Error {
+        let bounds = self.coupled.time_step_bounds();
+        let (dt, limit, rule) = (self.clock.dt, bounds.limit(), bounds.rule());
+        match source.spoils_state() && dt > limit {
+            true => Error::Unstable { source: Box::new(source), dt, limit, rule },
+            false => source,
+        }
     }
 
     fn try_advance(&mut self) -> Result<bool> {
@@ -298,6 +332,7 @@ impl Simulation {
             outcomes: self.outcomes.clone(),
             remeshes: self.remeshes(),
             warnings: self.warnings.clone(),
+            stress_extremes: self.stress_extremes,
             coupled: self.coupled.state(),
         }
     }

@@ -5,12 +5,41 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::UnstableStage;
+use crate::domain::WallId;
 
 /// A warning of a stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Warning {
     /// A fixed time step is above its limit.
     UnstableTimeStep(UnstableStage),
+    /// A servo wall has not held its stress.
+    ServoMissed(ServoMissed),
+}
+
+/// A servo wall that did not hold the stress asked for in the last part of a stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ServoMissed {
+    /// The stage's name.
+    pub stage: String,
+    /// The wall.
+    pub wall: WallId,
+    /// Stress asked for (Pa).
+    pub asked: f64,
+    /// Mean stress (Pa).
+    pub mean: f64,
+    /// Lowest and highest stress (Pa).
+    pub range: [f64; 2],
+}
+
+impl fmt::Display for ServoMissed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ServoMissed { stage, wall, asked, mean, range: [low, high] } = self;
+        write!(
+            f,
+            "stage \"{stage}\": the servo on {wall} was asked for {asked:.4e} Pa and got {mean:.4e} Pa in the last \
+             part of the stage, from {low:.4e} to {high:.4e} Pa"
+        )
+    }
 }
 
 impl Warning {
@@ -18,6 +47,10 @@ impl Warning {
     fn repeats(&self, other: &Warning) -> bool {
         match (self, other) {
             (Warning::UnstableTimeStep(a), Warning::UnstableTimeStep(b)) => a.stage == b.stage,
+            (Warning::ServoMissed(a), Warning::ServoMissed(b)) => {
+                (&a.stage, a.wall) == (&b.stage, b.wall)
+            }
+            _ => false,
         }
     }
 }
@@ -26,6 +59,7 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Warning::UnstableTimeStep(stage) => stage.fmt(f),
+            Warning::ServoMissed(missed) => missed.fmt(f),
         }
     }
 }

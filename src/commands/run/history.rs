@@ -2,12 +2,15 @@
 
 use dempfv::WallId;
 use dempfv::coupling::TimeStepBounds;
+use dempfv::dem::WallControl;
 use dempfv::io::history::Value;
+use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities, then one for each of the `probes`.
-pub fn columns(probes: usize) -> Vec<String> {
+/// per-wall quantities, then one for each of the `probes`, then the lowest and the highest stress
+/// on each of the `servos` of any step since the row before.
+pub fn columns(probes: usize, servos: &[WallId]) -> Vec<String> {
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -45,11 +48,29 @@ pub fn columns(probes: usize) -> Vec<String> {
         names.extend(WallId::ALL.map(|w| format!("{quantity}_{w}_{unit}")));
     }
     names.extend((1..=probes).map(|k| format!("probe_{k}_pressure_pa")));
+    names.extend(
+        servos
+            .iter()
+            .flat_map(|wall| ["lowest", "highest"].map(|end| format!("{end}_stress_{wall}_pa"))),
+    );
     names
 }
 
+/// The walls that a servo holds in any stage of a plan.
+pub fn servo_walls(plan: &Plan) -> Vec<WallId> {
+    let held = |wall: WallId| {
+        plan.stages.iter().any(|stage| match &stage.kind {
+            StageKind::Run(run) => matches!(run.walls[wall], WallControl::Servo { .. }),
+            StageKind::Consolidate(stage) => stage.wall == wall,
+            StageKind::Cycle(stage) => stage.wall == wall,
+            StageKind::Compact(_) | StageKind::Permeability(_) => false,
+        })
+    };
+    WallId::ALL.into_iter().filter(|&wall| held(wall)).collect()
+}
+
 /// One row: the state between two steps.
-pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
+pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<Value<'a>>) {
     let seen = simulation.observe();
     values.clear();
     values.push(simulation.step().into());
@@ -80,6 +101,8 @@ pub fn row<'a>(simulation: &'a Simulation, values: &mut Vec<Value<'a>>) {
         values.extend(six.map(Value::from));
     }
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
+    let extremes = simulation.stress_extremes();
+    values.extend(servos.iter().flat_map(|&wall| extremes[wall].map(Value::from)));
     for value in values {
         if let Value::Float(x) = value {
             // Sums of nothing are -0, which helps no reader.

@@ -133,7 +133,7 @@ impl Session {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
-                        self.keep_on_failure(simulation, |s| s.recorder.after_step(simulation))?;
+                        self.keep_on_failure(simulation, |s, now| s.recorder.after_step(now))?;
                         simulation.state()
                     }
                 };
@@ -141,10 +141,10 @@ impl Session {
                 return Err(error);
             }
             let finished_stage = simulation.outcomes().len() > done;
-            self.keep_on_failure(simulation, |session| {
-                session.recorder.after_step(simulation)?;
-                session.draw_section(simulation)?;
-                if finished_stage { session.end_stage(simulation) } else { Ok(()) }
+            self.keep_on_failure(simulation, |session, now| {
+                session.recorder.after_step(now)?;
+                session.draw_section(now)?;
+                if finished_stage { session.end_stage(now) } else { Ok(()) }
             })?;
             if !finished_stage {
                 self.progress.update(simulation.step(), simulation.stage_progress(), || {
@@ -168,10 +168,10 @@ impl Session {
     /// Writes results; a failure leaves a checkpoint behind.
     fn keep_on_failure(
         &mut self,
-        simulation: &Simulation,
-        write: impl FnOnce(&mut Session) -> Result<()>,
+        simulation: &mut Simulation,
+        write: impl FnOnce(&mut Session, &mut Simulation) -> Result<()>,
     ) -> Result<()> {
-        let written = write(self);
+        let written = write(self, simulation);
         if written.is_err() {
             self.keep(&simulation.state());
         }
@@ -228,13 +228,13 @@ impl Session {
     /// done.
     fn close(
         mut self,
-        simulation: Simulation,
+        mut simulation: Simulation,
         context: &Context,
         ended: Result<()>,
         interrupted: bool,
     ) -> Result<Report> {
         let finished = ended.is_ok() && simulation.stage().is_none();
-        self.keep_on_failure(&simulation, |s| s.recorder.close(&simulation, finished))?;
+        self.keep_on_failure(&mut simulation, |s, now| s.recorder.close(now, finished))?;
         if ended.is_ok() && !finished {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }
@@ -249,7 +249,9 @@ impl Session {
             status,
             &self.folder,
         );
-        self.keep_on_failure(&simulation, |s| json::write(&s.folder.join(SUMMARY), &report))?;
+        self.keep_on_failure(&mut simulation, |s, _| {
+            json::write(&s.folder.join(SUMMARY), &report)
+        })?;
         match ended {
             Ok(()) => Ok(report),
             Err(Error::Input(error)) => Err(Error::Input(error)),

@@ -6,7 +6,7 @@ use dempfv::io::checkpoint;
 use dempfv::io::history::History;
 use dempfv::io::vtk::{self, Collection, SphereFrame};
 use dempfv::simulation::Simulation;
-use dempfv::{Result, Vec3};
+use dempfv::{Result, Vec3, WallId};
 
 use super::history;
 
@@ -17,8 +17,10 @@ pub struct Recorder {
     history_every: u64,
     checkpoint_every: u64,
     frames: Option<Frames>,
-    /// Step of the last row: a stage without steps adds none.
-    last_row: Option<u64>,
+    /// Step that was looked at last: a stage without steps adds none.
+    last_step: Option<u64>,
+    /// Walls that a servo holds at some time.
+    servos: Vec<WallId>,
 }
 
 /// Frames for ParaView.
@@ -37,7 +39,8 @@ impl Recorder {
         from: Option<(u64, f64)>,
     ) -> Result<Recorder> {
         let output = &simulation.plan().output;
-        let columns = history::columns(output.probes.len());
+        let servos = history::servo_walls(simulation.plan());
+        let columns = history::columns(output.probes.len(), &servos);
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let path = folder.join("history.csv");
         let history = match from {
@@ -53,17 +56,18 @@ impl Recorder {
             history_every: output.history_every,
             checkpoint_every: output.checkpoint_every,
             frames,
-            last_row: from.map(|(step, _)| step),
+            last_step: from.map(|(step, _)| step),
+            servos,
         })
     }
 
     /// Writes what is due after a step.
-    pub fn after_step(&mut self, simulation: &Simulation) -> Result<()> {
+    pub fn after_step(&mut self, simulation: &mut Simulation) -> Result<()> {
         let step = simulation.step();
-        if self.last_row == Some(step) {
+        if self.last_step == Some(step) {
             return Ok(());
         }
-        self.last_row = Some(step);
+        self.last_step = Some(step);
         let due = |every: u64| every > 0 && step.is_multiple_of(every);
         if due(self.history_every) {
             self.write_row(simulation)?;
@@ -79,10 +83,12 @@ impl Recorder {
         Ok(())
     }
 
-    fn write_row(&mut self, simulation: &Simulation) -> Result<()> {
+    fn write_row(&mut self, simulation: &mut Simulation) -> Result<()> {
         let mut values = Vec::new();
-        history::row(simulation, &mut values);
-        Ok(self.history.row(&values)?)
+        history::row(simulation, &self.servos, &mut values);
+        self.history.row(&values)?;
+        simulation.reset_stress_extremes();
+        Ok(())
     }
 
     /// Hands all rows so far to the system.
@@ -91,7 +97,7 @@ impl Recorder {
     }
 
     /// Hands everything to the system; a finished run ends with its last state.
-    pub fn close(&mut self, simulation: &Simulation, finished: bool) -> Result<()> {
+    pub fn close(&mut self, simulation: &mut Simulation, finished: bool) -> Result<()> {
         let written = simulation.step().is_multiple_of(self.history_every.max(1));
         if finished && self.history_every > 0 && !written {
             self.write_row(simulation)?;

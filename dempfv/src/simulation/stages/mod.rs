@@ -7,6 +7,7 @@ mod context;
 mod cycle;
 mod permeability;
 mod run;
+mod servo_watch;
 mod strain;
 
 use serde::{Deserialize, Serialize};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::context::{Context, Progress};
+use super::servo_watch::ServoWatch;
 use super::strain::logarithmic_strain;
 use crate::coupling::Coupled;
 use crate::scene::{self, Plan, Until};
@@ -21,6 +22,7 @@ pub struct State {
     /// Share of the stage that is done, where the strain ends it.
     strained: f64,
     samples: Vec<StressPathSample>,
+    servos: ServoWatch,
 }
 
 /// Moments of the stage's course that are kept.
@@ -56,6 +58,7 @@ impl State {
             start_time: clock.time,
             strained: 0.0,
             samples: vec![],
+            servos: ServoWatch::default(),
         };
         state.restore(context.coupled, context.plan)?;
         Ok(state)
@@ -103,6 +106,7 @@ impl State {
             context.step()?;
             self.steps += 1;
             let over = self.is_over(context)?;
+            self.servos.look(context, self.progress(context.clock));
             if over || self.progress(context.clock) * SAMPLES >= self.samples.len() as f64 {
                 self.samples.push(self.sample(context));
             }
@@ -110,6 +114,7 @@ impl State {
                 return Ok(Progress::Running);
             }
         }
+        self.servos.warn(context);
         context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {

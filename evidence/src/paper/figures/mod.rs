@@ -16,7 +16,7 @@ use crate::Error;
 use crate::paper::draw::Curve;
 
 pub use gain::gain;
-pub use speed::{acceleration, interval};
+pub use speed::{acceleration, composed_of, interval};
 
 /// The figures of the paper that time something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

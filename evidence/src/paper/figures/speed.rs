@@ -52,7 +52,7 @@ fn composed(row: &Row) -> Option<f64> {
 }
 
 /// So many remeshes and steps, from what one of each takes in a run.
-fn composed_of(one: &Timing) -> Option<f64> {
+pub fn composed_of(one: &Timing) -> Option<f64> {
     Some(STEPS as f64 * (one.remesh() + one.step()))
 }
 
