@@ -17,7 +17,7 @@ fn finish(simulation: &mut Simulation) {
 }
 
 /// Four servo walls at 1 kPa squeeze a fluid of 1 Pa·s that leaves at a fifth: at the end each
-/// carries its load within 1 %, and there is nothing to warn of.
+/// carries its load within 2 %, and there is nothing to warn of.
 #[test]
 fn servo_walls_around_a_viscous_fluid_hold_their_stress() {
     for viscosity in [1e-3, 1.0, 100.0] {
