@@ -116,7 +116,7 @@ fn a_wall_held_by_a_servo_lowers_the_bound() {
         let mut coupled = saturated(&packing, SYRUP, 0.0);
         let control = WallControl::Servo {
             stress: coupled.dem().wall_stress(WallId::YMin),
-            max_velocity: 1e6,
+            max_velocity: Some(1e6),
         };
         coupled.controls().set_control(WallId::YMin, control).unwrap();
         coupled

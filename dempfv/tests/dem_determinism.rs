@@ -24,7 +24,7 @@ fn busy(count: usize, skin: f64) -> Dem {
         growth.step(&mut dem).unwrap();
     }
     dem.sort_spatially().unwrap();
-    let servo = WallControl::Servo { stress: 2e4, max_velocity: 0.1 };
+    let servo = WallControl::Servo { stress: 2e4, max_velocity: Some(0.1) };
     dem.set_control(WallId::YMax, servo).unwrap();
     dem.set_control(WallId::XMin, WallControl::Velocity(0.02)).unwrap();
     dem

@@ -57,7 +57,7 @@ fn bad_parameters_are_named() {
     assert!(with(m, DemOptions { skin: 0.0, ..o }).starts_with("skin = 0"));
     let mut dem = make(cloud(2, 1)).unwrap();
     assert!(dem.step(0.0).unwrap_err().to_string().starts_with("time step = 0"));
-    let servo = WallControl::Servo { stress: 1.0, max_velocity: 0.0 };
+    let servo = WallControl::Servo { stress: 1.0, max_velocity: Some(0.0) };
     let error = dem.set_control(WallId::XMin, servo).unwrap_err();
     assert!(error.to_string().starts_with("servo max_velocity = 0"));
 }

@@ -19,7 +19,7 @@ fn run(dem: &mut Dem, dt: f64, steps: usize) {
 #[test]
 fn the_servo_reaches_its_stress() {
     let mut dem = settled(500, 1, DAMPED);
-    let servo = WallControl::Servo { stress: 1.1e4, max_velocity: 0.5 };
+    let servo = WallControl::Servo { stress: 1.1e4, max_velocity: Some(0.5) };
     dem.set_control(WallId::YMax, servo).unwrap();
     let dt = dem.contact_time_step(0.5).unwrap();
     run(&mut dem, dt, 10_000);
@@ -40,7 +40,7 @@ fn the_servo_reaches_its_stress() {
 #[test]
 fn the_fluid_counts_in_the_servo() {
     let mut dem = settled(500, 1, DAMPED);
-    let servo = WallControl::Servo { stress: 1e4, max_velocity: 0.5 };
+    let servo = WallControl::Servo { stress: 1e4, max_velocity: Some(0.5) };
     dem.set_control(WallId::YMax, servo).unwrap();
     let dt = dem.contact_time_step(0.5).unwrap();
     let mut fluid = PerWall::<Vec3>::default();
@@ -66,7 +66,8 @@ fn a_servo_on_fluid_finds_its_speed() {
     all[WallId::YMax][WallId::YMax] = resistance;
     dem.set_wall_resistance(all);
     for stress in [2e4, 1e4, 3e4] {
-        dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: 1.0 }).unwrap();
+        dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: Some(1.0) })
+            .unwrap();
         for _ in 0..3 {
             let mut fluid = PerWall::<Vec3>::default();
             fluid[WallId::YMax].y = -resistance * dem.walls()[WallId::YMax].velocity;
@@ -84,20 +85,20 @@ fn a_servo_on_fluid_finds_its_speed() {
 /// 0.8 previous.
 #[test]
 fn the_servo_law_by_hand() {
-    let (overlap, stress, max_velocity) = (1e-4, 5.0, 1e-3);
+    let (overlap, stress, fastest) = (1e-4, 5.0, 1e-3);
     let (dt, k) = (1e-4, 1e5);
     for wall in [WallId::ZMin, WallId::ZMax] {
         let mut centre = Vec3::repeat(0.5);
         centre.z = UNIT.wall(wall) + wall.inward() * (0.1 - overlap);
         let p = Particles::new(vec![centre], vec![0.1], 2600.0);
         let mut dem = Dem::new(p, UNIT, material(), frictionless_walls(), DAMPED).unwrap();
-        dem.set_control(wall, WallControl::Servo { stress, max_velocity }).unwrap();
+        dem.set_control(wall, WallControl::Servo { stress, max_velocity: Some(fastest) }).unwrap();
         let mut previous = 0.0;
         for step in 0..2 {
             let before = dem.walls()[wall];
             let gap = (dem.position(0).z - before.position) * wall.inward();
             let height = dem.box_().size().z;
-            let limit = max_velocity * dt * 3.0 * height / (2.0 + height);
+            let limit = fastest * dt * 3.0 * height / (2.0 + height);
             // The contact pushes with 10 N, the goal is 5 N: the cut acts.
             let wanted = ((k * (0.1 - gap) - stress) / k).min(limit);
             let shift = 0.75 * wanted + 0.8 * previous;
@@ -144,7 +145,7 @@ fn walls_that_meet_are_an_error() {
 #[test]
 fn a_wall_can_be_stopped() {
     let mut dem = settled(300, 1, DAMPED);
-    let servo = WallControl::Servo { stress: 2e4, max_velocity: 0.5 };
+    let servo = WallControl::Servo { stress: 2e4, max_velocity: Some(0.5) };
     dem.set_control(WallId::YMax, servo).unwrap();
     run(&mut dem, 1e-4, 100);
     dem.set_control(WallId::YMax, WallControl::Fixed).unwrap();

@@ -82,7 +82,7 @@ const MISTAKES: &[Mistake] = &[
         "`sizes` in `cloud` has a pair 1 that is 0",
     ),
     (|p| p.walls.material.young = f64::INFINITY, "`young` in [walls] is inf"),
-    (|p| p.walls.max_velocity = 0.0, "`max_velocity` in [walls] is 0"),
+    (|p| p.walls.max_velocity = Some(0.0), "`max_velocity` in [walls] is 0"),
     (|p| dem(p).dt = TimeStep::Fixed(-1e-4), "`dt` in [dem] is -0.0001"),
     (|p| dem(p).safety = 1.5, "`safety` in [dem] is 1.5"),
     (|p| dem(p).options.damping = 1.0, "`damping` in [dem] is 1"),
@@ -142,7 +142,9 @@ const MISTAKES: &[Mistake] = &[
         "`x_min` in `walls` has a `velocity` that is NaN",
     ),
     (
-        |p| run(p).walls[WallId::XMin] = WallControl::Servo { stress: 1.0, max_velocity: 0.0 },
+        |p| {
+            run(p).walls[WallId::XMin] = WallControl::Servo { stress: 1.0, max_velocity: Some(0.0) }
+        },
         "`x_min` in `walls` has a `max_velocity` that is 0",
     ),
     (|p| p.output.history_every = 0, "`history_every` in [output] is 0"),

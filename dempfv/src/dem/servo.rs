@@ -9,6 +9,14 @@ use crate::{PerWall, WallId};
 const SERVO_DAMPING: f64 = 0.25;
 const SERVO_MEMORY: f64 = 0.8;
 
+/// Share of an excess force that counts as the drift of a fluid's force in each step to come: with a
+/// quarter it is learned as fast as without an overshoot. Spheres that follow the wall take their
+/// drag off it step by step, so that a servo without it is always late.
+const DRIFT_GAIN: f64 = 0.25;
+/// What is above this share of the force wanted is a knock, as of a load that is put on or of a new
+/// network, and no drift.
+const DRIFT_RANGE: f64 = 0.01;
+
 /// What acts on a servo wall in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ServoLoad {
@@ -16,10 +24,14 @@ pub(super) struct ServoLoad {
     pub excess: f64,
     /// Sum of the normal stiffnesses of the contacts on the wall (N/m).
     pub stiffness: f64,
-    /// Largest shift (m).
-    pub limit: f64,
+    /// Largest shift, inwards and outwards (m).
+    pub limit: [f64; 2],
     /// Shift in the previous step (m), outwards.
     pub previous: f64,
+    /// Whether spheres touch the wall now, and did in the previous step.
+    pub in_touch: bool,
+    /// By what the force is expected to change in the step, the shift aside (N).
+    pub drift: f64,
 }
 
 /// What the fluid takes off the outward force on a wall (first index) per outward velocity of
@@ -42,25 +54,56 @@ pub(super) fn shifts(
     shifts
 }
 
+impl ServoLoad {
+    /// The force that the shift should take off a wall on a fluid of this resistance over the time
+    /// step (N/m).
+    fn expected(&self, per_shift: f64) -> f64 {
+        if per_shift > 0.0 {
+            self.excess + per_shift / (self.stiffness + per_shift) * self.drift
+        } else {
+            self.excess
+        }
+    }
+
+    /// The drift after a step with this shift, where `wanted` is the force wanted (N).
+    pub fn next_drift(&self, shift: f64, wanted: f64, wet: bool) -> f64 {
+        let [inwards, outwards] = self.limit;
+        let free = -inwards < shift && shift < outwards;
+        let range = DRIFT_RANGE * wanted.abs();
+        if wet && free { self.drift + DRIFT_GAIN * self.excess.clamp(-range, range) } else { 0.0 }
+    }
+
+    fn limited(&self, shift: f64) -> f64 {
+        let [inwards, outwards] = self.limit;
+        shift.clamp(-inwards, outwards)
+    }
+
+    /// Share of the previous shift that is added again. It is what the contacts asked for, so
+    /// none is where they begin or end: the wall would strike what it has just let go.
+    fn memory(&self) -> f64 {
+        if self.in_touch { SERVO_MEMORY } else { 0.0 }
+    }
+}
+
 /// The shift of a wall that no other moves with.
 fn alone(load: ServoLoad, resistance: f64, dt: f64) -> f64 {
-    let ServoLoad { excess, stiffness, limit, previous } = load;
-    let stiffness = stiffness + resistance / dt;
-    // A wall that touches nothing approaches at the largest speed.
-    let wanted = if stiffness > 0.0 {
-        (excess / stiffness).clamp(-limit, limit)
+    let (excess, previous) = (load.expected(resistance / dt), load.previous);
+    let stiffness = load.stiffness + resistance / dt;
+    // A wall that touches nothing approaches as fast as it may.
+    let wanted = load.limited(if stiffness > 0.0 {
+        excess / stiffness
     } else if excess == 0.0 {
         0.0
     } else {
-        limit.copysign(excess)
-    };
+        f64::INFINITY.copysign(excess)
+    });
     // A fluid holds the force up while the wall moves on, so of its
     // share the previous shift is kept and nothing is damped.
     let wet = if resistance > 0.0 { resistance / dt / stiffness } else { 0.0 };
     let damping = (1.0 - wet) * SERVO_DAMPING;
-    let memory = SERVO_MEMORY + wet * (1.0 - SERVO_MEMORY);
+    let memory = load.memory() + wet * (1.0 - load.memory());
     let shift = (1.0 - damping) * wanted + memory * previous;
-    if wet > 0.0 { shift.clamp(-limit, limit) } else { shift }
+    if wet > 0.0 { load.limited(shift) } else { shift }
 }
 
 type Matrix = SMatrix<f64, 6, 6>;
@@ -72,8 +115,8 @@ type Vector = SVector<f64, 6>;
 /// s leave e − k s − R/Δt (s − s₀). Wall by wall each would correct what all of them cause, and
 /// three or more of them would overshoot without end. Together they solve for u in
 /// (k + R/Δt) u = e; of the contacts' part of it, D = (k + R/Δt)⁻¹ k, the same is damped and
-/// remembered as of a dry wall: s = u − 0.25 D u + s₀ − 0.2 D s₀. A wall that would be too
-/// fast goes at its limit, and the others reckon with that.
+/// remembered as of a dry wall: s = u − 0.25 D u + s₀ − D (1 − m) s₀ with its memory m, 0.8 or
+/// 0. A wall that would be too fast goes at its limit, and the others reckon with that.
 fn together(
     loads: &PerWall<Option<ServoLoad>>,
     resistance: &WallResistance,
@@ -87,11 +130,14 @@ fn together(
     for _ in 0..6 {
         let mut matrix = Matrix::identity();
         let (mut excess, mut previous) = (Vector::zeros(), Vector::zeros());
-        let mut contacts = Vector::zeros();
+        let (mut contacts, mut forgotten) = (Vector::zeros(), Vector::zeros());
         for wall in WallId::ALL.into_iter().filter(|&wall| free[wall]) {
             let i = wall.index();
-            let ServoLoad { excess: own, stiffness, previous: before, .. } = load(wall);
-            (excess[i], previous[i], contacts[i]) = (own, before, stiffness);
+            let own = load(wall);
+            let per_shift = resistance[wall][wall] / dt;
+            (previous[i], contacts[i]) = (own.previous, own.stiffness);
+            excess[i] = own.expected(per_shift);
+            forgotten[i] = (1.0 - own.memory()) * own.previous;
             for other in WallId::ALL.into_iter().filter(|&other| all[other]) {
                 let per_shift = resistance[wall][other] / dt;
                 if free[other] {
@@ -100,21 +146,21 @@ fn together(
                     excess[i] -= per_shift * (shifts[other] - load(other).previous);
                 }
             }
-            matrix[(i, i)] += stiffness;
+            matrix[(i, i)] += own.stiffness;
         }
         let solver = matrix.lu();
         let dry = |x: &Vector| solver.solve(&contacts.component_mul(x));
         let Some(u) = solver.solve(&excess) else { return };
-        let (Some(damped), Some(remembered)) = (dry(&u), dry(&previous)) else { return };
-        let found = u - SERVO_DAMPING * damped + previous - (1.0 - SERVO_MEMORY) * remembered;
+        let (Some(damped), Some(forgotten)) = (dry(&u), dry(&forgotten)) else { return };
+        let found = u - SERVO_DAMPING * damped + previous - forgotten;
         if !found.iter().all(|s| s.is_finite()) {
             return;
         }
         let mut still_free = free;
         for wall in WallId::ALL.into_iter().filter(|&wall| free[wall]) {
-            let (shift, limit) = (found[wall.index()], load(wall).limit);
-            shifts[wall] = shift.clamp(-limit, limit);
-            still_free[wall] = shift.abs() <= limit;
+            let shift = found[wall.index()];
+            shifts[wall] = load(wall).limited(shift);
+            still_free[wall] = shifts[wall] == shift;
         }
         if still_free == free {
             return;
@@ -146,7 +192,7 @@ mod tests {
         for _ in 0..3 {
             let loads = PerWall::from_fn(|w| {
                 let (excess, previous) = (excess[w], shift[w]);
-                Some(ServoLoad { excess, stiffness: 0.0, limit: 1.0, previous })
+                Some(ServoLoad { excess, limit: [1.0; 2], previous, ..ServoLoad::default() })
             });
             shift = shifts(&loads, &resistance, dt);
             excess = PerWall::from_fn(|w| {
@@ -165,7 +211,7 @@ mod tests {
         let (dt, resistance) = (1e-5, fluid(1e5, 1e5));
         let loads = PerWall::from_fn(|w| {
             let limit = if w == WallId::XMin { 1e-12 } else { 1.0 };
-            Some(ServoLoad { excess: -5.0, stiffness: 0.0, limit, previous: 0.0 })
+            Some(ServoLoad { excess: -5.0, limit: [limit; 2], ..ServoLoad::default() })
         });
         let shift = shifts(&loads, &resistance, dt);
         assert_eq!(shift[WallId::XMin], -1e-12);
@@ -179,7 +225,14 @@ mod tests {
     #[test]
     fn a_single_wall_is_alone() {
         let mut loads = PerWall::from_fn(|_| None);
-        let load = ServoLoad { excess: 3.0, stiffness: 1e5, limit: 1e-3, previous: 2e-6 };
+        let load = ServoLoad {
+            excess: 3.0,
+            stiffness: 1e5,
+            limit: [1e-3; 2],
+            previous: 2e-6,
+            in_touch: true,
+            drift: 0.1,
+        };
         loads[WallId::YMax] = Some(load);
         for resistance in [PerWall::default(), fluid(1e2, 1e3)] {
             let shift = shifts(&loads, &resistance, 1e-5)[WallId::YMax];

@@ -17,7 +17,7 @@ use super::servo::{WallResistance, shifts};
 use super::state::{ContactHistory, DemState};
 use super::stiffness_sum::StiffnessSum;
 use super::wall_pairs::WallSum;
-use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
+use super::walls::{Wall, WallControl, WallSituation, box_of, check_box, nearest_sphere, walls_of};
 use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
@@ -311,12 +311,31 @@ impl Dem {
         let loads = PerWall::from_fn(|wall| {
             let axis = wall.axis();
             let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
-            let load = (-wall.inward() * force, self.wall_sums[wall].stiffness);
-            let shape = (box_.wall_area(wall), 3.0 * size[axis] / size.sum());
-            self.walls[wall].servo_load(dt, load, shape)
+            let stiffness = self.wall_sums[wall].stiffness;
+            let servo = matches!(self.walls[wall].control, WallControl::Servo { .. });
+            self.walls[wall].servo_load(
+                dt,
+                &WallSituation {
+                    outward: -wall.inward() * force,
+                    stiffness,
+                    area: box_.wall_area(wall),
+                    axis_share: 3.0 * size[axis] / size.sum(),
+                    density: self.material.density,
+                    young: self.material.young,
+                    nearest: (servo && stiffness == 0.0)
+                        .then(|| nearest_sphere(&self.centre, wall, self.walls[wall].position))
+                        .flatten(),
+                },
+            )
         });
         let shifts = shifts(&loads, &self.wall_resistance, dt);
         for wall in WallId::ALL {
+            if let Some(load) = &loads[wall] {
+                let touched = self.wall_sums[wall].stiffness > 0.0;
+                let wet = self.wall_resistance[wall][wall] > 0.0;
+                let area = box_.wall_area(wall);
+                self.walls[wall].remember(load, shifts[wall], area, (touched, wet));
+            }
             self.walls[wall].advance(wall, dt, shifts[wall]);
         }
         check_box(&self.box_())

@@ -23,8 +23,16 @@ pub enum WallControl {
         /// Cut v of the speed that the stress asks for (m/s), for the walls of
         /// a cube; for an axis of length L_a it is 3 v L_a / (L_x + L_y + L_z).
         /// The wall also goes on with 0.8 of its last shift, so that its speed
-        /// comes up to 3.75 times the cut.
-        max_velocity: f64,
+        /// comes up to 3.75 times the cut. With `None` it is 10 σ / √(ρ E), with
+        /// the larger of the stress wanted and the one there as σ, and density
+        /// and modulus of the spheres: ten times the speed at which a wall
+        /// that strikes them meets that stress.
+        ///
+        /// A wall that no sphere touches comes nearer by a tenth of its
+        /// distance in a step, at most by a tenth of a radius, and at least by a
+        /// fifth of what puts the stress wanted on the nearest sphere; no faster
+        /// than `max_velocity`, where given.
+        max_velocity: Option<f64>,
     },
 }
 
@@ -42,7 +50,7 @@ impl WallControl {
             WallControl::Velocity(v) => finite("wall velocity", v),
             WallControl::Servo { stress, max_velocity } => {
                 finite("servo stress", stress)?;
-                positive("servo max_velocity", max_velocity)
+                max_velocity.map_or(Ok(()), |v| positive("servo max_velocity", v))
             }
         }
     }
@@ -61,7 +69,39 @@ pub struct Wall {
     pub displacement: f64,
     /// Shift of the servo in its previous step (m), outwards.
     pub(super) previous_shift: f64,
+    /// Whether spheres touched it in the previous step.
+    pub(super) touched: bool,
+    /// By what a fluid's force on it is expected to change in a step, its shift aside (N).
+    pub(super) drift: f64,
 }
+
+/// What a servo must know to move a wall.
+#[derive(Clone, Copy)]
+pub(super) struct WallSituation {
+    /// Force of spheres and fluid along the outward normal (N).
+    pub outward: f64,
+    /// Normal stiffness of the contacts (N/m).
+    pub stiffness: f64,
+    /// Area of the wall (m²).
+    pub area: f64,
+    /// 3 L_a / (L_x + L_y + L_z) for the wall's axis.
+    pub axis_share: f64,
+    /// Density and contact modulus of the spheres (kg/m³, Pa).
+    pub density: f64,
+    pub young: f64,
+    /// Distance to the surface of the nearest sphere (m) and its radius (m), of a wall that
+    /// nothing touches.
+    pub nearest: Option<[f64; 2]>,
+}
+
+/// Cut of a servo's speed over σ / √(ρ E), which is the speed of a wall that meets the stress σ
+/// on the bodies that it strikes. From below 3 on a column of spheres takes long to follow; from
+/// 30 on it is struck at five times the stress wanted.
+const SPEED_CUT: f64 = 10.0;
+/// Share of the distance by which a wall that touches nothing comes nearer in a step, or of a
+/// radius, and of the overlap under the stress wanted, for what it does at least.
+const APPROACH: f64 = 0.1;
+const FIRST_TOUCH: f64 = 0.2;
 
 impl Wall {
     fn new(position: f64) -> Wall {
@@ -71,47 +111,68 @@ impl Wall {
             control: WallControl::Fixed,
             displacement: 0.0,
             previous_shift: 0.0,
+            touched: false,
+            drift: 0.0,
         }
     }
 
-    /// What a servo has to do with the wall; `None` where none holds it. `outward` is the force of
-    /// spheres and fluid along the outward normal (N), `stiffness` that of the contacts (N/m);
-    /// `area` (m²) and `axis_share`, 3 L_a / (L_x + L_y + L_z), are the wall's.
-    pub(super) fn servo_load(
-        &self,
-        dt: f64,
-        (outward, stiffness): (f64, f64),
-        (area, axis_share): (f64, f64),
-    ) -> Option<ServoLoad> {
+    /// What a servo has to do with the wall in a step of length `dt` (s); `None` where none
+    /// holds it.
+    pub(super) fn servo_load(&self, dt: f64, at: &WallSituation) -> Option<ServoLoad> {
         let WallControl::Servo { stress, max_velocity } = self.control else { return None };
+        let natural = || {
+            let stress = stress.abs().max((at.outward / at.area).abs());
+            SPEED_CUT * stress / (at.density * at.young).sqrt()
+        };
+        let limit = max_velocity.unwrap_or_else(natural) * at.axis_share * dt;
+        let inwards = at.nearest.map_or(limit, |[distance, radius]| {
+            // What puts 4 r² σ on a sphere of the stiffness E r.
+            let overlap = 4.0 * radius * stress.abs() / at.young;
+            let approach = (APPROACH * distance.min(radius)).max(FIRST_TOUCH * overlap);
+            max_velocity.map_or(approach, |_| approach.min(limit))
+        });
         Some(ServoLoad {
-            excess: outward - stress * area,
-            stiffness,
-            limit: max_velocity * axis_share * dt,
+            excess: at.outward - stress * at.area,
+            stiffness: at.stiffness,
+            limit: [inwards, limit],
             previous: self.previous_shift,
+            in_touch: self.touched && at.stiffness > 0.0,
+            drift: self.drift,
         })
     }
 
-    /// Moves the wall by one time step; a servo wall by this outward shift (m).
+    /// Moves the wall by one time step; a servo wall by its shift, outwards (m).
     pub(super) fn advance(&mut self, wall: WallId, dt: f64, servo_shift: f64) {
         self.velocity = match self.control {
             WallControl::Fixed => 0.0,
             WallControl::Velocity(v) => v,
-            WallControl::Servo { .. } => {
-                self.previous_shift = servo_shift;
-                -wall.inward() * servo_shift / dt
-            }
+            WallControl::Servo { .. } => -wall.inward() * servo_shift / dt,
         };
         let shift = self.velocity * dt;
         self.position += shift;
         self.displacement += shift;
     }
 
+    /// Keeps what the servo has learned in a step. `area` is the wall's (m²), `touched` says whether
+    /// spheres touched it, `wet` whether it squeezes a fluid.
+    pub(super) fn remember(
+        &mut self,
+        load: &ServoLoad,
+        shift: f64,
+        area: f64,
+        (touched, wet): (bool, bool),
+    ) {
+        let WallControl::Servo { stress, .. } = self.control else { return };
+        self.previous_shift = shift;
+        self.touched = touched;
+        self.drift = load.next_drift(shift, stress * area, wet);
+    }
+
     /// Changes the control; a servo starts without memory.
     pub(super) fn set_control(&mut self, control: WallControl) {
         let servo = |c: &WallControl| matches!(c, WallControl::Servo { .. });
         if !(servo(&control) && servo(&self.control)) {
-            self.previous_shift = 0.0;
+            (self.previous_shift, self.drift, self.touched) = (0.0, 0.0, false);
         }
         self.control = control;
     }
@@ -120,6 +181,13 @@ impl Wall {
 /// Six fixed walls around a box.
 pub(super) fn walls_of(box_: &Aabb) -> PerWall<Wall> {
     PerWall::from_fn(|w| Wall::new(box_.wall(w)))
+}
+
+/// Distance from a wall at `position` to the nearest surface of a sphere, and that sphere's radius
+/// (m). `centre` holds centres with radii.
+pub(super) fn nearest_sphere(centre: &[[f64; 4]], wall: WallId, position: f64) -> Option<[f64; 2]> {
+    let distance = |c: &[f64; 4]| (c[wall.axis()] - position) * wall.inward() - c[3];
+    centre.iter().map(|c| [distance(c), c[3]]).min_by(|a, b| a[0].total_cmp(&b[0]))
 }
 
 /// The box between the walls.

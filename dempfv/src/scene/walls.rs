@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
-use super::kind::{Angle, Number, number};
+use super::kind::{Angle, Maybe, Number, number};
 use super::schema::Schema;
 use super::table::Bound;
 use crate::dem::WallMaterial;
@@ -24,14 +24,15 @@ pub struct Walls {
     #[serde(flatten)]
     pub material: WallMaterial,
     /// Cut of the speed that a servo asks for (m/s), for the walls of a cube, where a stage of a
-    /// scene file gives none. Default 1.
-    pub max_velocity: f64,
+    /// scene file gives none. Default: by stress and material, as
+    /// [`WallControl::Servo`](crate::dem::WallControl::Servo) says.
+    pub max_velocity: Option<f64>,
 }
 
 impl Default for Walls {
     fn default() -> Walls {
         let material = WallMaterial { young: 1e6, friction_angle: 0.0 };
-        Walls { material, max_velocity: 1.0 }
+        Walls { material, max_velocity: None }
     }
 }
 
@@ -43,7 +44,7 @@ impl Keyed for Walls {
     fn keys(&mut self, keys: &mut Keys) -> Result<()> {
         keys.take("young", &number("Pa", Bound::Positive), &mut self.material.young)?;
         keys.take("friction_angle", &Angle, &mut self.material.friction_angle)?;
-        keys.take("max_velocity", &MAX_VELOCITY, &mut self.max_velocity)
+        keys.take("max_velocity", &Maybe(MAX_VELOCITY), &mut self.max_velocity)
     }
 }
 

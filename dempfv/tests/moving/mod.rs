@@ -49,7 +49,8 @@ pub fn flying(n: usize) -> Dem {
     for v in dem.storage_velocities_mut().0 {
         *v = 0.5 * random.vector();
     }
-    dem.set_control(WallId::YMax, WallControl::Servo { stress: 100.0, max_velocity: 0.1 }).unwrap();
+    dem.set_control(WallId::YMax, WallControl::Servo { stress: 100.0, max_velocity: Some(0.1) })
+        .unwrap();
     dem
 }
 

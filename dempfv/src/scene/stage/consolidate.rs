@@ -6,7 +6,7 @@ use crate::domain::{Axis, WallId};
 use crate::input::InputError;
 use crate::scene::fluid::Fluid;
 use crate::scene::keys::{Keyed, Keys};
-use crate::scene::kind::{A_WALL, Array, Count, Number, WALL, number};
+use crate::scene::kind::{A_WALL, Array, Count, Maybe, Number, WALL, number};
 use crate::scene::schema::Schema;
 use crate::scene::table::Bound;
 use crate::scene::walls::MAX_VELOCITY;
@@ -43,9 +43,10 @@ pub struct Consolidate {
     pub until_tv: f64,
     /// T_v at which pressure profiles are kept, ascending (1). Default: none.
     pub profiles: Vec<f64>,
-    /// Cut of the speed that the servo asks for (m/s). Default 1; in a scene file, that of
+    /// Cut of the speed that the servo asks for (m/s). Default: by stress and material, as
+    /// [`WallControl::Servo`](crate::dem::WallControl::Servo) says; in a scene file, that of
     /// `[walls]`.
-    pub max_velocity: f64,
+    pub max_velocity: Option<f64>,
     /// Give up after so many steps. Default 5,000,000.
     pub max_steps: u64,
 }
@@ -57,7 +58,7 @@ impl Default for Consolidate {
             stress: 1.1e4,
             until_tv: 1.0,
             profiles: vec![],
-            max_velocity: 1.0,
+            max_velocity: None,
             max_steps: 5_000_000,
         }
     }
@@ -80,7 +81,7 @@ impl Keyed for Consolidate {
         }
         keys.need("wall", A_WALL, &WALL, &mut self.wall)?;
         keys.need_number("stress", number("Pa", Bound::Positive), &mut self.stress)?;
-        keys.take("max_velocity", &MAX_VELOCITY, &mut self.max_velocity)?;
+        keys.take("max_velocity", &Maybe(MAX_VELOCITY), &mut self.max_velocity)?;
         keys.take("max_steps", &Count(1), &mut self.max_steps)
     }
 }

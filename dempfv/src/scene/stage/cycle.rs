@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::domain::WallId;
 use crate::input::InputError;
 use crate::scene::keys::{Keyed, Keys};
-use crate::scene::kind::{A_WALL, Count, WALL, number};
+use crate::scene::kind::{A_WALL, Count, Maybe, WALL, number};
 use crate::scene::schema::Schema;
 use crate::scene::table::Bound;
 use crate::scene::walls::MAX_VELOCITY;
@@ -47,9 +47,10 @@ pub struct Cycle {
     pub unbalanced: f64,
     /// and with the stress within this share of its goal (1). Default 0.001.
     pub tolerance: f64,
-    /// Cut of the speed that the servo asks for (m/s). Default 1; in a scene file, that of
+    /// Cut of the speed that the servo asks for (m/s). Default: by stress and material, as
+    /// [`WallControl::Servo`](crate::dem::WallControl::Servo) says; in a scene file, that of
     /// `[walls]`.
-    pub max_velocity: f64,
+    pub max_velocity: Option<f64>,
     /// Give up after so many steps in all. Default 500,000.
     pub max_steps: u64,
 }
@@ -63,7 +64,7 @@ impl Default for Cycle {
             cycles: 2,
             unbalanced: 1e-3,
             tolerance: 1e-3,
-            max_velocity: 1.0,
+            max_velocity: None,
             max_steps: 500_000,
         }
     }
@@ -83,7 +84,7 @@ impl Keyed for Cycle {
         keys.take("cycles", &Count(1), &mut self.cycles)?;
         keys.take("unbalanced", &number("", Bound::InsideUnit), &mut self.unbalanced)?;
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
-        keys.take("max_velocity", &MAX_VELOCITY, &mut self.max_velocity)?;
+        keys.take("max_velocity", &Maybe(MAX_VELOCITY), &mut self.max_velocity)?;
         keys.take("max_steps", &Count(1), &mut self.max_steps)
     }
 }

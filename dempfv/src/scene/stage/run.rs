@@ -85,19 +85,19 @@ impl Keyed for Run {
     }
 
     fn keys(&mut self, keys: &mut Keys) -> Result<()> {
-        self.keys_with(keys, 1.0)
+        self.keys_with(keys, None)
     }
 }
 
 impl Run {
     /// Reads a stage whose servos move walls at up to `max_velocity` (m/s) where it says no
     /// other.
-    pub(super) fn read_with(mut self, table: &Table, max_velocity: f64) -> Result<Run> {
+    pub(super) fn read_with(mut self, table: &Table, max_velocity: Option<f64>) -> Result<Run> {
         self.keys_with(&mut Keys::Read(table), max_velocity)?;
         Ok(self)
     }
 
-    fn keys_with(&mut self, keys: &mut Keys, max_velocity: f64) -> Result<()> {
+    fn keys_with(&mut self, keys: &mut Keys, max_velocity: Option<f64>) -> Result<()> {
         keys.by_wall("walls", &WALLS, &Control { max_velocity }, &mut self.walls.0)?;
         self.until.keys(keys)?;
         keys.take("fluid", &Flag, &mut self.fluid)?;
@@ -208,7 +208,7 @@ impl Kind<Until> for Strain {
 /// What a wall does: `"fixed"`, or a table with a stress or a velocity.
 struct Control {
     /// Cut of a servo's speed (m/s) where the table gives none.
-    max_velocity: f64,
+    max_velocity: Option<f64>,
 }
 
 const STRESS: Number = number("Pa", Bound::NotNegative);
@@ -229,7 +229,10 @@ impl Kind<WallControl> for Control {
         match (table.get("stress"), table.get("velocity")) {
             (Some(stress), None) => Ok(WallControl::Servo {
                 stress: STRESS.read(&stress)?,
-                max_velocity: limit.map_or(Ok(self.max_velocity), |v| MAX_VELOCITY.read(&v))?,
+                max_velocity: match limit {
+                    Some(limit) => Some(MAX_VELOCITY.read(&limit)?),
+                    None => self.max_velocity,
+                },
             }),
             (None, Some(velocity)) => match limit {
                 Some(v) => Err(v.error("stands beside `velocity`", "it belongs to `stress`")),
@@ -253,7 +256,7 @@ impl Kind<WallControl> for Control {
             WallControl::Fixed => None,
             WallControl::Velocity(velocity) => named("velocity", VELOCITY.wrong(velocity)),
             WallControl::Servo { stress, max_velocity } => named("stress", STRESS.wrong(stress))
-                .or_else(|| named("max_velocity", MAX_VELOCITY.wrong(max_velocity))),
+                .or_else(|| named("max_velocity", Maybe(MAX_VELOCITY).wrong(max_velocity))),
         }
     }
 
@@ -263,10 +266,11 @@ impl Kind<WallControl> for Control {
             WallControl::Velocity(velocity) => {
                 Some(inline(&[("velocity", format!("{velocity:?}"))]))
             }
-            WallControl::Servo { stress, max_velocity } => Some(inline(&[
-                ("stress", format!("{stress:?}")),
-                ("max_velocity", format!("{max_velocity:?}")),
-            ])),
+            WallControl::Servo { stress, max_velocity } => {
+                let limit = max_velocity.map(|v| ("max_velocity", format!("{v:?}")));
+                let stress = ("stress", format!("{stress:?}"));
+                Some(inline(&[stress].into_iter().chain(limit).collect::<Vec<_>>()))
+            }
         }
     }
 }
@@ -299,7 +303,7 @@ mod tests {
         assert!(run.wrong().unwrap().problem.contains("the other way"));
         run.walls[WallId::YMax] = WallControl::Velocity(0.1);
         assert!(run.wrong().is_none());
-        run.walls[WallId::YMax] = WallControl::Servo { stress: 1.0, max_velocity: 1.0 };
+        run.walls[WallId::YMax] = WallControl::Servo { stress: 1.0, max_velocity: None };
         assert!(run.wrong().is_none());
     }
 }

@@ -22,7 +22,7 @@ pub struct State {
     holds: u64,
     unbalanced: f64,
     tolerance: f64,
-    max_velocity: f64,
+    max_velocity: Option<f64>,
     max_steps: u64,
     steps: u64,
     reference: Aabb,
