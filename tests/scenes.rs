@@ -31,7 +31,7 @@ fn oedometer_is_the_twin_of_yades() {
     assert_eq!(kinds, ["compact", "cycle", "permeability", "consolidate"]);
     let StageKind::Consolidate(last) = &plan.stages[3].kind else { panic!("not the last") };
     assert_eq!((last.stress, last.until_tv, last.wall), (1.1e4, 1.5, WallId::YMax));
-    assert_eq!(last.max_velocity, 0.1);
+    assert_eq!(last.max_velocity, Some(0.1));
 }
 
 /// Settings of the paper's appendix: 1 kPa on y, drained at the top, 600 steps of 1e-6 s.
@@ -50,7 +50,7 @@ fn caulk2020_has_the_papers_settings() {
     assert!(run.fluid);
     for wall in WallId::ALL {
         let expected = match wall {
-            WallId::YMax => WallControl::Servo { stress: 1e3, max_velocity: 1.0 },
+            WallId::YMax => WallControl::Servo { stress: 1e3, max_velocity: None },
             _ => WallControl::Fixed,
         };
         assert_eq!(run.walls[wall], expected, "{wall}");

@@ -124,7 +124,7 @@ fn restitution_of_spheres() -> Result<f64, DemError> {
     spheres.velocity[1].x = -SPEED;
     let (dt, viscosity) = collision(0.5 * spheres.mass[0], MATERIAL.young * RADIUS);
     let law = SpringDashpot { viscosity };
-    let mut dem = Dem::with_law(law, spheres, BOX, MATERIAL, WALLS, DemOptions::default())?;
+    let mut dem = Dem::with_law(law, spheres, BOX, &[MATERIAL], WALLS, DemOptions::default())?;
     for _ in 0..10_000 {
         dem.step(dt)?;
     }
@@ -139,7 +139,7 @@ fn restitution_on_a_wall() -> Result<f64, DemError> {
     spheres.velocity[0].y = -SPEED;
     let (dt, viscosity) = collision(spheres.mass[0], MATERIAL.young * RADIUS);
     let law = SpringDashpot { viscosity };
-    let mut dem = Dem::with_law(law, spheres, BOX, MATERIAL, WALLS, DemOptions::default())?;
+    let mut dem = Dem::with_law(law, spheres, BOX, &[MATERIAL], WALLS, DemOptions::default())?;
     for _ in 0..10_000 {
         dem.step(dt)?;
     }
@@ -178,7 +178,7 @@ mod tests {
         let centres = (0..4).map(|k| Vec3::new(0.1 + 0.19 * f64::from(k), 0.5, 0.5)).collect();
         let spheres = Particles::new(centres, vec![RADIUS; 4], MATERIAL.density);
         let options = DemOptions { skin: 1e-3, ..DemOptions::default() };
-        let mut dem = Dem::with_law(law, spheres, BOX, MATERIAL, WALLS, options).unwrap();
+        let mut dem = Dem::with_law(law, spheres, BOX, &[MATERIAL], WALLS, options).unwrap();
         dem.set_velocity(1, Vec3::new(0.3, 0.01, 0.0));
         for _ in 0..200 {
             dem.step(1e-4).unwrap();
@@ -189,7 +189,7 @@ mod tests {
         let error = Dem::from_state(state.clone(), MATERIAL, WALLS, options).unwrap_err();
         assert!(error.to_string().contains("`spring and dashpot`"), "{error}");
 
-        let mut again = Dem::with_law_from_state(law, state, MATERIAL, WALLS, options).unwrap();
+        let mut again = Dem::with_law_from_state(law, state, &[MATERIAL], WALLS, options).unwrap();
         for dem in [&mut dem, &mut again] {
             for _ in 0..200 {
                 dem.step(1e-4).unwrap();

@@ -80,7 +80,7 @@ fn pair(gap: f64) -> Dem {
     let spheres = Particles::new(centres, vec![0.1; 2], 2600.0);
     let options = DemOptions { skin: 1e-4, ..DemOptions::default() };
     let walls = frictionless_walls();
-    Dem::with_law(LongSpring, spheres, UNIT, material(), walls, options).unwrap()
+    Dem::with_law(LongSpring, spheres, UNIT, &[material()], walls, options).unwrap()
 }
 
 /// The gap swings with ω = √(2k/m), and the energy stays.
@@ -132,7 +132,7 @@ fn walls_pull_across_the_gap() {
     let spheres = Particles::new(vec![Vec3::new(0.5, 0.13, 0.5)], vec![0.1], 2600.0);
     let walls = frictionless_walls();
     let options = DemOptions::default();
-    let mut dem = Dem::with_law(LongSpring, spheres, UNIT, material(), walls, options).unwrap();
+    let mut dem = Dem::with_law(LongSpring, spheres, UNIT, &[material()], walls, options).unwrap();
     dem.compute_contacts().unwrap();
     assert_eq!(dem.wall_contact_count(), 1);
     assert!((dem.force(0).y / (-STIFFNESS * 0.03) - 1.0).abs() < 1e-12);
@@ -148,12 +148,13 @@ fn histories_follow_a_new_order() {
     let spheres = Particles::new(centres, vec![0.045; 40], 2600.0);
     let walls = frictionless_walls();
     let options = DemOptions::default();
-    let dem = Dem::with_law(LongSpring, spheres, UNIT, material(), walls, options).unwrap();
+    let dem = Dem::with_law(LongSpring, spheres, UNIT, &[material()], walls, options).unwrap();
     // The other way round in storage.
     let mut state = dem.state();
     state.particles.id.reverse();
     state.particles.position.reverse();
-    let mut dem = Dem::with_law_from_state(LongSpring, state, material(), walls, options).unwrap();
+    let mut dem =
+        Dem::with_law_from_state(LongSpring, state, &[material()], walls, options).unwrap();
     for i in 0..40 {
         let x = dem.position(i);
         dem.set_velocity(i, 1e-2 * Vec3::new((40.0 * x.y).sin(), (30.0 * x.x).cos(), 0.0));

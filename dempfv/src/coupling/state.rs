@@ -18,14 +18,14 @@ use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, WallMateria
 /// What a [`CoupledState`] says it is.
 const KIND: &str = "dempfv coupled state";
 /// To be raised when a state would no longer mean the same.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What spheres and fluid are, and how they are computed: all that a caller
 /// chooses, and may choose anew where a state is taken up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// What the spheres are made of.
-    pub material: Material,
+    pub materials: Vec<Material>,
     /// What the walls are made of.
     pub wall_material: WallMaterial,
     /// What is simulated beside contacts.
@@ -107,7 +107,7 @@ impl Coupled {
             kind: KIND.to_owned(),
             version: VERSION,
             parameters: Parameters {
-                material: *self.dem.material(),
+                materials: self.dem.materials().to_vec(),
                 wall_material: *self.dem.wall_material(),
                 options: *self.dem.options(),
                 saturation: self.saturation,
@@ -182,8 +182,8 @@ impl Coupled {
                 expected_version,
             });
         }
-        let Parameters { material, wall_material, options, .. } = parameters;
-        let mut dem = Dem::with_law_from_state(law, dem, material, wall_material, options)?;
+        let Parameters { materials, wall_material, options, .. } = &parameters;
+        let mut dem = Dem::with_law_from_state(law, dem, materials, *wall_material, *options)?;
         dem.set_contact_forces(contact_forces)?;
         let mut coupled = Coupled::new(dem);
         coupled.accelerate(parameters.acceleration);

@@ -79,10 +79,10 @@ pub(super) fn bounds(
     fastest: Option<&FastestMode>,
 ) -> TimeStepBounds {
     let smallest = dem.storage().radius.iter().copied().fold(f64::INFINITY, f64::min);
+    let lightest = dem.materials().iter().map(|m| m.density).fold(f64::INFINITY, f64::min);
     TimeStepBounds {
         contact: dem.safe_time_step(1.0),
-        viscous_estimate: viscosity
-            .map(|mu| viscous_time_step(smallest, dem.material().density, mu)),
+        viscous_estimate: viscosity.map(|mu| viscous_time_step(smallest, lightest, mu)),
         viscous: fastest.and_then(|f| f.bound(dem.options().damping)),
         collision: (dem.options().damping == 0.0).then(|| dem.collision_time_step()),
     }

@@ -21,8 +21,9 @@ pub(super) struct Touch {
 /// The two bodies of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Surfaces {
-    Spheres(TwoSpheres),
-    Wall(SphereOnPlane),
+    /// With the indices of their materials.
+    Spheres(TwoSpheres, [u16; 2]),
+    Wall(SphereOnPlane, u16),
 }
 
 /// What [`super::Dem`] asks of any law: one call per pass, and one per
@@ -104,39 +105,45 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
     }
 
     fn stiffness(&self, touch: &Touch) -> Stiffness {
+        let parameters = self.parameters(touch);
         match touch.surfaces {
-            Surfaces::Spheres(radii) => {
-                self.law.stiffness(&self.table.spheres(0, 0), radii, touch.overlap)
-            }
-            Surfaces::Wall(radii) => self.law.stiffness(&self.table.wall(0), radii, touch.overlap),
+            Surfaces::Spheres(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
+            Surfaces::Wall(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
         }
     }
 
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce {
-        let history = L::History::read(history);
+        let (parameters, history) = (self.parameters(touch), L::History::read(history));
         match touch.surfaces {
-            Surfaces::Spheres(radii) => {
-                self.law.force(&self.table.spheres(0, 0), radii, touch.overlap, &history)
+            Surfaces::Spheres(radii, _) => {
+                self.law.force(&parameters, radii, touch.overlap, &history)
             }
-            Surfaces::Wall(radii) => {
-                self.law.force(&self.table.wall(0), radii, touch.overlap, &history)
-            }
+            Surfaces::Wall(radii, _) => self.law.force(&parameters, radii, touch.overlap, &history),
         }
     }
 
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64 {
-        let history = L::History::read(history);
+        let (parameters, history) = (self.parameters(touch), L::History::read(history));
         match touch.surfaces {
-            Surfaces::Spheres(radii) => {
-                self.law.elastic_energy(&self.table.spheres(0, 0), radii, touch.overlap, &history)
+            Surfaces::Spheres(radii, _) => {
+                self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
             }
-            Surfaces::Wall(radii) => {
-                self.law.elastic_energy(&self.table.wall(0), radii, touch.overlap, &history)
+            Surfaces::Wall(radii, _) => {
+                self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
             }
         }
     }
 
     fn reverse(&self, history: &mut [f64]) {
         self.law.reversed(L::History::read(history)).write(history);
+    }
+}
+
+impl<L: ContactLaw> Compiled<L> {
+    fn parameters(&self, touch: &Touch) -> L::Parameters {
+        match touch.surfaces {
+            Surfaces::Spheres(_, [first, second]) => self.table.spheres(first, second),
+            Surfaces::Wall(_, material) => self.table.wall(material),
+        }
     }
 }

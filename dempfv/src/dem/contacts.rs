@@ -106,7 +106,10 @@ impl Dem {
         let [i, j] = pair.map(|k| k as usize);
         let apart = p.position[j] - p.position[i];
         let distance = apart.norm();
-        let surfaces = Surfaces::Spheres(TwoSpheres(p.radius[i], p.radius[j]));
+        let surfaces = Surfaces::Spheres(
+            TwoSpheres(p.radius[i], p.radius[j]),
+            [p.material_of(i), p.material_of(j)],
+        );
         let overlap = p.radius[i] + p.radius[j] - distance;
         let touch = Touch { surfaces, overlap };
         Place { i, other: Other::Sphere(j), normal: apart / distance, distance, touch, history }
@@ -117,7 +120,7 @@ impl Dem {
         let plane = self.walls[wall].position;
         let distance = (self.particles.position[i][wall.axis()] - plane) * wall.inward();
         let radius = self.particles.radius[i];
-        let surfaces = Surfaces::Wall(SphereOnPlane(radius));
+        let surfaces = Surfaces::Wall(SphereOnPlane(radius), self.particles.material_of(i));
         let touch = Touch { surfaces, overlap: radius - distance };
         let normal = -wall.inward_normal();
         Place { i, other: Other::Wall(wall), normal, distance, touch, history }

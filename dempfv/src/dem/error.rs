@@ -34,6 +34,24 @@ pub enum DemError {
         /// The value it was given.
         value: f64,
     },
+    /// A sphere of a material that is not in the list.
+    #[error(
+        "particle {particle}: it is of material {index}, of {count} that there are, counted from 0"
+    )]
+    NoSuchMaterial {
+        /// The user's number of the particle.
+        particle: u32,
+        /// The material that it was given.
+        index: u16,
+        /// Materials in the list.
+        count: usize,
+    },
+    /// No material, or more than there are indices for.
+    #[error("{found} materials; give from 1 to {}", u16::MAX)]
+    NumberOfMaterials {
+        /// Materials given.
+        found: usize,
+    },
     /// Two arrays that describe the same particles differ in length.
     #[error("{what}: {found} entries for {expected} particles")]
     Length {

@@ -4,7 +4,6 @@ use super::law::{ContactLaw, Needs};
 use super::material::{Material, WallMaterial};
 
 /// The constants of each pair of materials, and of each material on a wall.
-/// Today all spheres are of material 0.
 #[derive(Clone, Debug)]
 pub(super) struct ParameterTable<L: ContactLaw> {
     materials: usize,
@@ -29,13 +28,13 @@ impl<L: ContactLaw> ParameterTable<L> {
     }
 
     /// Constants of a contact of two spheres of these materials.
-    #[inline]
+    #[inline(always)]
     pub fn spheres(&self, first: u16, second: u16) -> L::Parameters {
         self.spheres[usize::from(first) * self.materials + usize::from(second)]
     }
 
     /// Constants of a sphere of this material on a wall.
-    #[inline]
+    #[inline(always)]
     pub fn wall(&self, material: u16) -> L::Parameters {
         self.walls[usize::from(material)]
     }

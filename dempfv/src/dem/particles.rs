@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
 use super::hilbert::spatial_order;
+use super::material::Material;
 use crate::Vec3;
 
 /// The spheres: one entry per sphere in every array.
@@ -25,6 +26,9 @@ pub struct Particles {
     pub radius: Vec<f64>,
     /// Mass (kg).
     pub mass: Vec<f64>,
+    /// Index of each sphere's material in the list that the
+    /// [`Dem`](super::Dem) is given; empty where all are of the first.
+    pub material: Vec<u16>,
 }
 
 impl Particles {
@@ -40,6 +44,47 @@ impl Particles {
             mass: radius.iter().map(|r| density * volume(*r)).collect(),
             position,
             radius,
+            material: vec![],
+        }
+    }
+
+    /// The same with a material for each sphere, by its index in `materials`: masses follow from
+    /// their densities.
+    ///
+    /// # Errors
+    /// [`DemError::Length`] for arrays of different lengths, [`DemError::NoSuchMaterial`].
+    pub fn of_materials(
+        position: Vec<Vec3>,
+        radius: Vec<f64>,
+        material: Vec<u16>,
+        materials: &[Material],
+    ) -> Result<Particles, DemError> {
+        let mut particles = Particles::new(position, radius, 1.0);
+        particles.material = material;
+        particles.check_materials(materials.len())?;
+        for (mass, &m) in particles.mass.iter_mut().zip(&particles.material) {
+            *mass *= materials[usize::from(m)].density;
+        }
+        Ok(particles)
+    }
+
+    /// Index of the material of the sphere at place `i`.
+    pub(super) fn material_of(&self, i: usize) -> u16 {
+        self.material.get(i).copied().unwrap_or(0)
+    }
+
+    /// Checks that each sphere is of one of `count` materials.
+    pub(super) fn check_materials(&self, count: usize) -> Result<(), DemError> {
+        let (expected, found) = (self.len(), self.material.len());
+        if !self.material.is_empty() && found != expected {
+            return Err(DemError::Length { what: "material", found, expected });
+        }
+        match self.material.iter().position(|&m| usize::from(m) >= count) {
+            Some(i) => {
+                let (particle, index) = (self.id[i], self.material[i]);
+                Err(DemError::NoSuchMaterial { particle, index, count })
+            }
+            None => Ok(()),
         }
     }
 
@@ -69,6 +114,9 @@ impl Particles {
         permute(&mut self.spin, &from);
         permute(&mut self.radius, &from);
         permute(&mut self.mass, &from);
+        if !self.material.is_empty() {
+            permute(&mut self.material, &from);
+        }
         from
     }
 

@@ -26,9 +26,7 @@ pub(super) struct Forces {
 /// A law with the constants of this pass.
 struct Bound<'a, L: ContactLaw> {
     law: &'a L,
-    /// Constants between spheres, and on walls.
-    pair: L::Parameters,
-    wall: L::Parameters,
+    table: &'a ParameterTable<L>,
     /// Whether walls need more than overlaps.
     wall_motion: bool,
     input: Input<'a>,
@@ -42,21 +40,29 @@ pub(super) fn contact_forces<L: ContactLaw>(
     out: &mut Forces,
     input: Input<'_>,
 ) {
-    let bound = Bound {
-        law,
-        pair: table.spheres(0, 0),
-        wall: table.wall(0),
-        wall_motion: table.wall_needs() > Needs::Overlap,
-        input,
-    };
-    match (table.needs(), input.rotation) {
-        (Needs::Overlap, _) => run::<L, false, false>(list, out, &bound),
-        (Needs::Motion, _) | (Needs::Torques, false) => run::<L, true, false>(list, out, &bound),
-        (Needs::Torques, true) => run::<L, true, true>(list, out, &bound),
+    let bound = Bound { law, table, wall_motion: table.wall_needs() > Needs::Overlap, input };
+    if input.material.is_empty() {
+        choose::<L, false>(list, out, &bound);
+    } else {
+        choose::<L, true>(list, out, &bound);
     }
 }
 
-fn run<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+fn choose<L: ContactLaw, const MATERIALS: bool>(
+    list: &mut Neighbours,
+    out: &mut Forces,
+    bound: &Bound<'_, L>,
+) {
+    match (bound.table.needs(), bound.input.rotation) {
+        (Needs::Overlap, _) => run::<L, MATERIALS, false, false>(list, out, bound),
+        (Needs::Motion, _) | (Needs::Torques, false) => {
+            run::<L, MATERIALS, true, false>(list, out, bound);
+        }
+        (Needs::Torques, true) => run::<L, MATERIALS, true, true>(list, out, bound),
+    }
+}
+
+fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>(
     list: &mut Neighbours,
     out: &mut Forces,
     bound: &Bound<'_, L>,
@@ -78,7 +84,7 @@ fn run<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
     };
     let arch = pulp::Arch::new();
     let work = |span: PairSpan<'_>| {
-        arch.dispatch(Evaluate::<L, MOTION, TORQUES> { span, bound });
+        arch.dispatch(Evaluate::<L, MATERIALS, MOTION, TORQUES> { span, bound });
     };
     for_blocks(span, &work, &|(), ()| ());
 
@@ -165,29 +171,29 @@ impl Span for PairSpan<'_> {
 
 /// The evaluation of a run of blocks, compiled once more for processors with
 /// wider vector units. Lanes do not mix, so the bits are the same.
-struct Evaluate<'a, L: ContactLaw, const MOTION: bool, const TORQUES: bool> {
+struct Evaluate<'a, L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool> {
     span: PairSpan<'a>,
     bound: &'a Bound<'a, L>,
 }
 
-impl<L: ContactLaw, const MOTION: bool, const TORQUES: bool> pulp::NullaryFnOnce
-    for Evaluate<'_, L, MOTION, TORQUES>
+impl<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>
+    pulp::NullaryFnOnce for Evaluate<'_, L, MATERIALS, MOTION, TORQUES>
 {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.span.evaluate::<L, MOTION, TORQUES>(self.bound);
+        self.span.evaluate::<L, MATERIALS, MOTION, TORQUES>(self.bound);
     }
 }
 
 impl PairSpan<'_> {
     #[inline(always)]
-    fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+    fn evaluate<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>(
         self,
         bound: &Bound<'_, L>,
     ) {
-        let Bound { law, pair, wall, ref input, .. } = *bound;
+        let Bound { law, table, ref input, .. } = *bound;
         let origin = self.bounds[0];
         let length = L::History::LENGTH;
         let mut scratch = L::Scratch::default();
@@ -214,9 +220,9 @@ impl PairSpan<'_> {
                     force: &mut *force,
                     torque: &mut *torque,
                 }
-                .evaluate::<L, MOTION, TORQUES>(
+                .evaluate::<L, MATERIALS, MOTION, TORQUES>(
                     law,
-                    pair,
+                    table,
                     (&mut pair_batch, &mut scratch),
                     input,
                 );
@@ -232,9 +238,9 @@ impl PairSpan<'_> {
             };
             let lanes = (&mut wall_batch, &mut scratch);
             self.wall_sums[block] = if bound.wall_motion {
-                walls.evaluate::<L, MOTION, TORQUES>(law, wall, lanes, input)
+                walls.evaluate::<L, MATERIALS, MOTION, TORQUES>(law, table, lanes, input)
             } else {
-                walls.evaluate::<L, false, false>(law, wall, lanes, input)
+                walls.evaluate::<L, MATERIALS, false, false>(law, table, lanes, input)
             };
         }
     }

@@ -10,6 +10,8 @@ pub(super) struct Input<'a> {
     pub centre: &'a [[f64; 4]],
     pub velocity: &'a [Vec3],
     pub spin: &'a [Vec3],
+    /// Index of each sphere's material; empty where all are of the first.
+    pub material: &'a [u16],
     pub walls: &'a PerWall<Wall>,
     /// Length of the step that the histories have yet to follow (s), or 0.
     pub dt: f64,

@@ -13,9 +13,10 @@ const SERVO_MEMORY: f64 = 0.8;
 /// quarter it is learned as fast as without an overshoot. Spheres that follow the wall take their
 /// drag off it step by step, so that a servo without it is always late.
 const DRIFT_GAIN: f64 = 0.25;
-/// What is above this share of the force wanted is a knock, as of a load that is put on or of a new
-/// network, and no drift.
+/// Of an excess force this share of the one wanted counts at most; one above the other share is a
+/// knock, as of a load that is put on or of a new network, and no drift.
 const DRIFT_RANGE: f64 = 0.01;
+const KNOCK: f64 = 0.1;
 
 /// What acts on a servo wall in a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,8 +70,14 @@ impl ServoLoad {
     pub fn next_drift(&self, shift: f64, wanted: f64, wet: bool) -> f64 {
         let [inwards, outwards] = self.limit;
         let free = -inwards < shift && shift < outwards;
-        let range = DRIFT_RANGE * wanted.abs();
-        if wet && free { self.drift + DRIFT_GAIN * self.excess.clamp(-range, range) } else { 0.0 }
+        if !(wet && free) {
+            return 0.0;
+        }
+        let share = |share: f64| share * wanted.abs();
+        if self.excess.abs() > share(KNOCK) {
+            return self.drift;
+        }
+        self.drift + DRIFT_GAIN * self.excess.clamp(-share(DRIFT_RANGE), share(DRIFT_RANGE))
     }
 
     fn limited(&self, shift: f64) -> f64 {

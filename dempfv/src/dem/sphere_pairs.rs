@@ -3,6 +3,7 @@
 
 use super::law::vector::dot;
 use super::law::{Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, get, put};
+use super::parameters::ParameterTable;
 use super::pass_input::Input;
 use crate::Vec3;
 
@@ -29,14 +30,19 @@ pub(super) struct SpherePairRange<'a> {
 impl SpherePairRange<'_> {
     /// Evaluates all the pairs.
     #[inline(always)]
-    pub fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+    pub fn evaluate<
+        L: ContactLaw,
+        const MATERIALS: bool,
+        const MOTION: bool,
+        const TORQUES: bool,
+    >(
         &mut self,
         law: &L,
-        parameters: L::Parameters,
+        table: &ParameterTable<L>,
         (batch, scratch): (&mut PairBatch<L>, &mut L::Scratch),
         input: &Input<'_>,
     ) {
-        let cut_off = law.cut_off();
+        let (cut_off, only) = (law.cut_off(), table.spheres(0, 0));
         let mut next = 0;
         while next < self.pairs.len() {
             next = self.collect::<L>(batch, next, input.centre, cut_off);
@@ -46,7 +52,14 @@ impl SpherePairRange<'_> {
             for l in batch.lanes() {
                 batch.geometry.measure(l);
             }
-            law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| parameters);
+            if MATERIALS {
+                let (bodies, material) = (batch.bodies, input.material);
+                let of = |l: usize, k: usize| material[bodies[l][k] as usize];
+                let parameters = |l: usize| table.spheres(of(l, 0), of(l, 1));
+                law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
+            } else {
+                law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
+            }
             self.scatter::<L, MOTION, TORQUES>(batch);
         }
     }

@@ -52,7 +52,7 @@ pub struct Dem {
     pub(super) walls: PerWall<Wall>,
     pub(super) options: DemOptions,
     pub(super) law: Box<dyn CompiledLaw>,
-    material: Material,
+    pub(super) materials: Vec<Material>,
     wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pending_dt: f64,
@@ -83,18 +83,20 @@ impl Dem {
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
-        Dem::with_law(Linear, particles, box_, material, wall_material, options)
+        Dem::with_law(Linear, particles, box_, &[material], wall_material, options)
     }
 
-    /// The same with a contact law of the caller's choice, compiled for it.
+    /// The same with a contact law of the caller's choice, compiled for it, and
+    /// spheres of one material or several: see [`Particles::material`].
     ///
     /// # Errors
-    /// As [`Dem::new`].
+    /// As [`Dem::new`]; [`DemError::NoSuchMaterial`],
+    /// [`DemError::NumberOfMaterials`].
     pub fn with_law(
         law: impl ContactLaw,
         particles: Particles,
         box_: Aabb,
-        material: Material,
+        materials: &[Material],
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
@@ -110,7 +112,7 @@ impl Dem {
         };
         // Nothing to reverse: there are no contacts yet.
         state.sort_spatially(0, |_| ());
-        Dem::with_law_from_state(law, state, material, wall_material, options)
+        Dem::with_law_from_state(law, state, materials, wall_material, options)
     }
 
     /// Goes on from a state that [`Dem::state`] gave, with the same bits as
@@ -125,38 +127,43 @@ impl Dem {
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
-        Dem::with_law_from_state(Linear, state, material, wall_material, options)
+        Dem::with_law_from_state(Linear, state, &[material], wall_material, options)
     }
 
-    /// The same with the contact law that the state was made with.
+    /// The same with the contact law and the number of materials that the
+    /// state was made with.
     ///
     /// # Errors
-    /// As [`Dem::from_state`].
+    /// As [`Dem::from_state`] and [`Dem::with_law`].
     pub fn with_law_from_state(
         law: impl ContactLaw,
         state: DemState,
-        material: Material,
+        materials: &[Material],
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
         if state.law != law.name() {
             return Err(DemError::Law { found: state.law, expected: law.name() });
         }
-        material.check()?;
+        if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
+            return Err(DemError::NumberOfMaterials { found: materials.len() });
+        }
+        materials.iter().try_for_each(Material::check)?;
         wall_material.check()?;
-        let law = compile(law, &[material], &wall_material);
-        Dem::assemble(law, state, material, wall_material, options)
+        let law = compile(law, materials, &wall_material);
+        Dem::assemble(law, state, materials.to_vec(), wall_material, options)
     }
 
     fn assemble(
         law: Box<dyn CompiledLaw>,
         state: DemState,
-        material: Material,
+        materials: Vec<Material>,
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
         options.check()?;
         state.particles.check()?;
+        state.particles.check_materials(materials.len())?;
         check_box(&box_of(&state.walls))?;
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
@@ -182,7 +189,7 @@ impl Dem {
             particles,
             walls,
             options,
-            material,
+            materials,
             wall_material,
             pending_dt,
             list,
@@ -217,7 +224,8 @@ impl Dem {
         let mut state = self.state();
         let law = self.law.clone_box();
         state.sort_spatially(law.history_length(), |history| law.reverse(history));
-        *self = Dem::assemble(law, state, self.material, self.wall_material, self.options)?;
+        let materials = std::mem::take(&mut self.materials);
+        *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
         Ok(())
     }
 
@@ -246,6 +254,7 @@ impl Dem {
             centre: &self.centre,
             velocity: &self.particles.velocity,
             spin: &self.particles.spin,
+            material: &self.particles.material,
             walls: &self.walls,
             dt: self.pending_dt,
             rotation: self.options.rotation,
@@ -308,6 +317,7 @@ impl Dem {
     fn move_walls(&mut self, dt: f64, fluid: Option<&PerWall<Vec3>>) -> Result<(), DemError> {
         let box_ = self.box_();
         let size = box_.size();
+        let softest = self.softest();
         let loads = PerWall::from_fn(|wall| {
             let axis = wall.axis();
             let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
@@ -320,8 +330,8 @@ impl Dem {
                     stiffness,
                     area: box_.wall_area(wall),
                     axis_share: 3.0 * size[axis] / size.sum(),
-                    density: self.material.density,
-                    young: self.material.young,
+                    density: softest.density,
+                    young: softest.young,
                     nearest: (servo && stiffness == 0.0)
                         .then(|| nearest_sphere(&self.centre, wall, self.walls[wall].position))
                         .flatten(),
@@ -383,9 +393,22 @@ impl Dem {
         box_of(&self.walls)
     }
 
-    /// What the spheres are made of.
+    /// What the spheres are made of; the first of their materials.
     pub fn material(&self) -> &Material {
-        &self.material
+        &self.materials[0]
+    }
+
+    /// The materials of the spheres; [`Particles::material`] tells which is
+    /// whose.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The material in which a blow puts up the least stress, the first of several.
+    fn softest(&self) -> Material {
+        let impedance2 = |m: &Material| m.density * m.young;
+        let less = |a: Material, b: &Material| if impedance2(b) < impedance2(&a) { *b } else { a };
+        self.materials.iter().fold(self.materials[0], less)
     }
 
     /// What the walls are made of.
@@ -427,14 +450,16 @@ impl Dem {
         self.wall_resistance = resistance;
     }
 
-    /// Changes the friction angle between spheres (rad).
+    /// Changes the friction angle between spheres (rad), whatever their material.
     ///
     /// # Errors
     /// [`DemError::Parameter`] for an angle that is not from 0 to less than π/2.
     pub fn set_friction(&mut self, angle: f64) -> Result<(), DemError> {
         check_friction(angle)?;
-        self.material.friction_angle = angle;
-        self.law.set_materials(&[self.material], &self.wall_material);
+        for material in &mut self.materials {
+            material.friction_angle = angle;
+        }
+        self.law.set_materials(&self.materials, &self.wall_material);
         // A pass that needs overlaps alone does not look at the history.
         if self.law.pair_needs() == Needs::Overlap {
             self.list.history.fill(0.0);
@@ -491,7 +516,7 @@ impl std::fmt::Debug for Dem {
             .field("spheres", &self.particles.len())
             .field("box_", &self.box_())
             .field("law", &self.law)
-            .field("material", &self.material)
+            .field("materials", &self.materials)
             .field("wall_material", &self.wall_material)
             .field("options", &self.options)
             .finish_non_exhaustive()

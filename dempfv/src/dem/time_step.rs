@@ -67,15 +67,22 @@ impl Dem {
         self.contact_time_step(safety).map_or(lone, |dt| dt.min(lone))
     }
 
-    /// The largest k_n / m (1/s²) of a sphere in one contact with another of its size.
+    /// The largest k_n / m (1/s²) of a sphere in one contact with another of its size, of any
+    /// material.
     fn lone_frequency2(&self) -> f64 {
         let p = &self.particles;
-        let frequency2 = |(&r, m): (&f64, &f64)| {
-            let surfaces = Surfaces::Spheres(TwoSpheres(r, r));
-            let touch = Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * r };
-            self.law.stiffness(&touch).normal / m
+        // There are no more materials than an index can tell.
+        let partners = 0..self.materials.len() as u16;
+        let frequency2 = |i: usize| {
+            let r = p.radius[i];
+            let stiffness = |partner: u16| {
+                let surfaces = Surfaces::Spheres(TwoSpheres(r, r), [p.material_of(i), partner]);
+                let touch = Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * r };
+                self.law.stiffness(&touch).normal
+            };
+            partners.clone().map(stiffness).fold(0.0, f64::max) / p.mass[i]
         };
-        p.radius.iter().zip(&p.mass).map(frequency2).fold(0.0, f64::max)
+        (0..p.len()).map(frequency2).fold(0.0, f64::max)
     }
 
     /// One dry step of [`Dem::safe_time_step`] at the contacts that it finds, without damping no

@@ -5,6 +5,7 @@ use super::law::{
     Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SpheresOnWalls, get, put,
 };
 use super::neighbours::WallPair;
+use super::parameters::ParameterTable;
 use super::pass_input::Input;
 use crate::{PerWall, Vec3, WallId};
 
@@ -35,23 +36,35 @@ pub(super) struct WallPairRange<'a> {
 impl WallPairRange<'_> {
     /// Evaluates all the pairs; returns what they do to the walls.
     #[inline(always)]
-    pub fn evaluate<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
+    pub fn evaluate<
+        L: ContactLaw,
+        const MATERIALS: bool,
+        const MOTION: bool,
+        const TORQUES: bool,
+    >(
         &mut self,
         law: &L,
-        parameters: L::Parameters,
+        table: &ParameterTable<L>,
         (batch, scratch): (&mut WallBatch<L>, &mut L::Scratch),
         input: &Input<'_>,
     ) -> PerWall<WallSum> {
         let mut sums = PerWall::default();
-        let cut_off = law.cut_off();
+        let (cut_off, only) = (law.cut_off(), table.wall(0));
         let mut next = 0;
         while next < self.pairs.len() {
             next = self.collect::<L>(batch, next, input, cut_off);
             if MOTION {
                 self.load_motion::<L, TORQUES>(batch, input);
             }
-            law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| parameters);
-            self.scatter::<L, MOTION, TORQUES>(law, &parameters, batch, &mut sums);
+            if MATERIALS {
+                let (bodies, material) = (batch.bodies, input.material);
+                let parameters = |l: usize| table.wall(material[bodies[l][0] as usize]);
+                law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
+                self.scatter::<L, MOTION, TORQUES>(law, parameters, batch, &mut sums);
+            } else {
+                law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
+                self.scatter::<L, MOTION, TORQUES>(law, |_| only, batch, &mut sums);
+            }
         }
         sums
     }
@@ -119,7 +132,7 @@ impl WallPairRange<'_> {
     fn scatter<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
         &mut self,
         law: &L,
-        parameters: &L::Parameters,
+        parameters: impl Fn(usize) -> L::Parameters,
         batch: &WallBatch<L>,
         sums: &mut PerWall<WallSum>,
     ) {
@@ -139,7 +152,7 @@ impl WallPairRange<'_> {
             let (radii, overlap) = (batch.geometry.radii(l), batch.geometry.overlap(l));
             let sum = &mut sums.0[wall];
             sum.force += force;
-            sum.stiffness += law.stiffness(parameters, radii, overlap).normal;
+            sum.stiffness += law.stiffness(&parameters(l), radii, overlap).normal;
         }
     }
 }

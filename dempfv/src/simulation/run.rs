@@ -361,7 +361,7 @@ impl Simulation {
 fn parameters(plan: &Plan, saved: Parameters) -> Parameters {
     let fluid = plan.fluid.as_ref();
     Parameters {
-        material: plan.particles.material,
+        materials: vec![plan.particles.material],
         wall_material: plan.walls.material,
         options: setup::options(plan),
         saturation: fluid.filter(|_| saved.saturation.is_some()).map(|f| f.saturation()),
