@@ -86,7 +86,25 @@ fn a_sphere_that_leaves_is_named() {
     let mut dem = make(cloud(50, 1)).unwrap();
     dem.set_velocity(20, Vec3::new(0.0, 1e5, 0.0));
     let error = (0..10).find_map(|_| dem.step(1e-4).err()).unwrap();
-    assert_eq!(error, DemError::OutsideBox { particle: 20, wall: WallId::YMax });
+    let DemError::LeftBox { particle: 20, wall: WallId::YMax, speed, radii } = error else {
+        panic!("{error}")
+    };
+    let radius = dem.storage().radius[dem.storage().id.iter().position(|&i| i == 20).unwrap()];
+    assert!((speed / 1e5 - 1.0).abs() < 1e-9 && (radii / (10.0 / radius) - 1.0).abs() < 1e-9);
+    assert!(error.to_string().contains("take a smaller time step"), "{error}");
+
+    // A wall that goes over a sphere at rest.
+    let mut dem = make(cloud(50, 1)).unwrap();
+    dem.set_control(WallId::XMin, WallControl::Velocity(5e3)).unwrap();
+    let error = (0..10).find_map(|_| dem.step(1e-4).err()).unwrap();
+    assert!(matches!(error, DemError::LeftBox { wall: WallId::XMin, .. }), "{error}");
+
+    // A weight that the contact cannot carry.
+    let heavy = DemOptions { gravity: Some(Vec3::new(0.0, 0.0, -2e4)), ..DemOptions::default() };
+    let sphere = Particles::new(vec![Vec3::repeat(0.1)], vec![0.1], 2600.0);
+    let mut dem = Dem::new(sphere, UNIT, material(), frictionless_walls(), heavy).unwrap();
+    let error = (0..10_000).find_map(|_| dem.step(1e-5).err()).unwrap();
+    assert!(error.to_string().contains("the stiffness is too low"), "{error}");
 }
 
 /// Nothing at all, and one sphere alone, are legal.

@@ -98,6 +98,22 @@ pub enum DemError {
         /// The wall.
         wall: WallId,
     },
+    /// The centre of a particle has gone through a wall.
+    #[error(
+        "particle {particle} has gone through the wall {wall}, at {speed:.3e} m/s towards it, {radii:.2} of its radii \
+         in the last step; the likely cause: {}",
+        cause_of_leaving(*radii)
+    )]
+    LeftBox {
+        /// The user's number of the particle.
+        particle: u32,
+        /// The wall.
+        wall: WallId,
+        /// Its speed against the wall (m/s).
+        speed: f64,
+        /// How far that took it in the last step, in radii.
+        radii: f64,
+    },
     /// Two particles share one centre: their contact has no direction.
     #[error("particles {first} and {second} have the same centre")]
     Coincident {
@@ -153,4 +169,16 @@ pub enum DemError {
         /// Unbalanced force ratio.
         unbalanced: f64,
     },
+}
+
+/// Travel in a step, in radii, from which on a contact can be missed.
+const FAST: f64 = 0.1;
+
+fn cause_of_leaving(radii: f64) -> &'static str {
+    if radii > FAST {
+        "it goes too far in a step for a contact to stop it; take a smaller time step, or look for what \
+         makes it so fast"
+    } else {
+        "a force presses it through; the stiffness is too low for what acts on it"
+    }
 }

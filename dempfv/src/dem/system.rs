@@ -229,6 +229,21 @@ impl Dem {
         Ok(())
     }
 
+    /// With the motion of a sphere that has left the box in the last step.
+    fn explained(&self, error: DemError) -> DemError {
+        let DemError::OutsideBox { particle, wall } = error else { return error };
+        let place = self.place[particle as usize] as usize;
+        let p = &self.particles;
+        let axis = wall.axis();
+        let speed = (p.velocity[place][axis] - self.walls[wall].velocity).abs();
+        DemError::LeftBox {
+            particle,
+            wall,
+            speed,
+            radii: speed * self.pending_dt / p.radius[place],
+        }
+    }
+
     fn rebuild(&mut self) -> Result<(), DemError> {
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         self.list.build(&self.particles, &self.walls, cut_off, skin)?;
@@ -244,11 +259,11 @@ impl Dem {
     /// histories follow the motion of the last step, once.
     ///
     /// # Errors
-    /// [`DemError::OutsideBox`] or [`DemError::Coincident`], found when the
-    /// list is built.
+    /// [`DemError::LeftBox`] or [`DemError::Coincident`], found when the list
+    /// is built.
     pub fn compute_contacts(&mut self) -> Result<(), DemError> {
         if self.list.outdated(&self.centre, &self.walls) {
-            self.rebuild()?;
+            self.rebuild().map_err(|error| self.explained(error))?;
         }
         let input = Input {
             centre: &self.centre,
