@@ -285,8 +285,6 @@ const FAULTS: &[Fault] = &[
         &["unknown key `dt` in a permeability stage", "it belongs in [dem]"],
     ),
     // What is right, but for how it is written.
-    ("steps = 10\n", "steps = 1e3\n", 42, &["`steps` in a run stage is 1e3", "as 1000, without"]),
-    ("seed = 1", "seed = 2.0", 2, &["`seed` is 2.0", "write the whole number as 2,"]),
     ("viscosity = 1.0e-3", "viscosity = .001", 18, &["not TOML", "write the number as 0.001"]),
     ("\"cholmod\"", "cholmod", 20, &["not TOML", "put the text in quotes: \"cholmod\""]),
     (

@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::atomic::AtomicFile;
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::error::Result;
@@ -93,6 +94,7 @@ fn body(bytes: &[u8]) -> Result<&[u8], String> {
     let name = take_u32(&mut rest).ok_or(cut)? as usize;
     let version = String::from_utf8_lossy(take(&mut rest, name).ok_or(cut)?);
     if version != VERSION {
+        let version = excerpt(&version);
         return Err(format!("a checkpoint of dempfv {version}; this is dempfv {VERSION}"));
     }
     match (rest.len() as u64).cmp(&length) {
