@@ -318,5 +318,7 @@ fn against_terzaghi(c: &Consolidation) -> String {
                 .to_vec()
         })
         .collect();
-    table(&["T_v", "U measured", "Terzaghi, top drained", "Terzaghi", "difference"], &rows)
+    let drained =
+        if c.drains_at_both_ends() { "Terzaghi, ends drained" } else { "Terzaghi, top drained" };
+    table(&["T_v", "U measured", drained, "Terzaghi", "difference"], &rows)
 }
