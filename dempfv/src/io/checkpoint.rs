@@ -19,9 +19,10 @@ use crate::io::error::Result;
 
 const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
+const REMEDY: &str =
+    "give a checkpoint that this version of dempfv wrote, or begin the run anew without it";
 
 /// Writes a checkpoint. The one that was there is replaced only once the disk
 /// has the new one.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::Changes;
 use super::context::{Context, Progress};
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
@@ -56,10 +57,7 @@ impl State {
         let (viscosity, drained_walls, outside) = drainage(context, plan.wall)?;
 
         let before = context.coupled.dem().wall_stress(plan.wall);
-        context.coupled.controls().set_control(
-            plan.wall,
-            WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity },
-        )?;
+        context.coupled.controls().set_control(plan.wall, servo(plan))?;
         let dem = context.coupled.dem();
         let load = plan.stress - before;
         let height = dem.box_().size()[axis.index()];
@@ -102,9 +100,21 @@ impl State {
         (self.time_factor(clock) / self.until).min(1.0)
     }
 
-    /// Changes how many steps the stage may take in all.
-    pub fn allow(&mut self, max_steps: u64) {
-        self.max_steps = max_steps;
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &scene::Consolidate,
+        changes: &Changes,
+        clock: &Clock,
+    ) -> Result<()> {
+        self.max_steps = plan.max_steps;
+        self.until = plan.until_tv;
+        let now = self.time_factor(clock);
+        self.profiles_left = plan.profiles.iter().copied().filter(|&at| at > now).collect();
+        if changes.in_stage("max_velocity") {
+            coupled.controls().set_control(plan.wall, servo(plan))?;
+        }
+        Ok(())
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
@@ -190,6 +200,10 @@ impl State {
             .unzip();
         Profile { time_factor, depth, pressure }
     }
+}
+
+fn servo(plan: &scene::Consolidate) -> WallControl {
+    WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity }
 }
 
 /// The last finished measurement of the oedometric modulus along an axis.
