@@ -403,3 +403,26 @@ steps = 10
     assert!(value("dt_s") < 0.8 * value("dt_contact_s"));
     assert!(value("dt_s") > 0.79 * value("dt_contact_s"));
 }
+
+/// Two walls that impose different pressures meet in the pores of an edge: a contradiction that
+/// the summary names; a wall that imposes a pressure beside one that lets nothing through is none.
+#[test]
+fn walls_of_different_pressures_are_warned_of() {
+    let folder = Folder::new("contested");
+    let text = |pressure: &str| {
+        format!(
+            "[particles]\npacking = \"{}\"\n[dem]\n[fluid]\nviscosity = 1e-3\npressure = {{ {pressure} }}\n\
+             [[stage]]\nkind = \"run\"\nsteps = 1\n[output]\npictures = false\n",
+            packing("oedometer-1000.txt")
+        )
+    };
+    for (pressure, warned) in [("x_min = 1.0, y_min = 2.0", true), ("x_min = 1.0", false)] {
+        folder.write("scene.toml", &text(pressure));
+        folder.done(&["run", "scene.toml", "--out", "out", "--force"]);
+        let summary = folder.json("out/summary.json");
+        let warnings = summary["warnings"].as_array().unwrap();
+        let says =
+            |w: &Value| w.as_str().unwrap().contains("pores touch walls of different pressures");
+        assert_eq!(warnings.iter().any(says), warned, "{warnings:?}");
+    }
+}

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::excerpt::harmless;
+
 /// Something the user wrote is wrong: one message that says where, what, and
 /// what would be right. Nothing was computed or written.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,18 +39,19 @@ impl InputError {
     }
 }
 
+/// What a file holds may be anything: no character of it reaches a terminal as a command.
 impl std::fmt::Display for InputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if let Some(file) = &self.file {
-            write!(f, "{}", file.display())?;
+            f.write_str(&harmless(&file.to_string_lossy()))?;
             if let Some(line) = self.line {
                 write!(f, ":{line}")?;
             }
             f.write_str(": ")?;
         }
-        f.write_str(&self.what)?;
+        f.write_str(&harmless(&self.what))?;
         if !self.remedy.is_empty() {
-            write!(f, "; {}", self.remedy)?;
+            write!(f, "; {}", harmless(&self.remedy))?;
         }
         Ok(())
     }

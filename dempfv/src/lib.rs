@@ -5,6 +5,7 @@ pub mod coupling;
 pub mod dem;
 mod domain;
 mod error;
+mod excerpt;
 mod input;
 pub mod io;
 mod parallel;

@@ -78,11 +78,19 @@ pub fn excess_pressure(depth: f64, time_factor: f64) -> f64 {
         .sum()
 }
 
-/// Degree of consolidation of a layer whose top share `drained` (of its
-/// height, 0 ≤ d < 1) is dry from the start, because its pores touch the
-/// drained wall: that share settles at once, the rest drains over (1−d) H.
+/// Excess pressure p(z, T_v) / p₀ in a layer that drains at both ends, with
+/// z/H from 0 at one to 1 at the other: that of two layers of half the height,
+/// [`excess_pressure`], sealed where they meet. T_v = c_v t / (H/2)².
+pub fn excess_pressure_both_ends(depth: f64, time_factor: f64) -> f64 {
+    excess_pressure(1.0 - (1.0 - 2.0 * depth).abs(), time_factor)
+}
+
+/// Degree of consolidation of a layer of which a share `drained` (of its
+/// height, 0 ≤ d < 1) is dry from the start, because its pores touch a
+/// drained wall: that share settles at once, the rest drains over 1−d of the
+/// drainage path, which is H, or H/2 where both ends drain.
 ///
-/// U = d + (1−d) U_T(T_v / (1−d)²), T_v with the whole height H.
+/// U = d + (1−d) U_T(T_v / (1−d)²), T_v with the whole drainage path.
 pub fn degree_of_consolidation_drained_top(time_factor: f64, drained: f64) -> f64 {
     let wet = 1.0 - drained;
     drained + wet * degree_of_consolidation(time_factor / (wet * wet))

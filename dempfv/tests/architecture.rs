@@ -7,16 +7,17 @@ use std::path::{Path, PathBuf};
 /// Each room of the library and the rooms that it may know, lowest first. The files beside
 /// `lib.rs` are rooms of their own.
 const ROOMS: &[(&str, &[&str])] = &[
-    ("input", &[]),
+    ("excerpt", &[]),
+    ("input", &["excerpt"]),
     ("domain", &[]),
     ("parallel", &[]),
     ("theory", &[]),
     ("solver", &["parallel"]),
     ("dem", &["parallel", "domain"]),
     ("pfv", &["solver", "parallel", "domain"]),
-    ("io", &["input", "domain", "solver", "pfv"]),
+    ("io", &["excerpt", "input", "domain", "solver", "pfv"]),
     ("coupling", &["dem", "pfv", "solver", "parallel", "domain"]),
-    ("scene", &["coupling", "dem", "pfv", "solver", "io", "input", "domain", "error"]),
+    ("scene", &["coupling", "dem", "pfv", "solver", "io", "excerpt", "input", "domain", "error"]),
     ("stage_error", &[]),
     ("error", &["input", "io", "coupling", "dem", "pfv", "solver", "stage_error"]),
     (

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{Random, Spheres, cubic, settled, unit_box};
+use dempfv::pfv::terms::PoreSource;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, ImposedPressure, PfvError, PoreSelection};
 use dempfv::solver::{Backend, Cholmod, SolverError, SolverKind, Symbolic, SymmetricCsc};
 use dempfv::{Vec3, WallId};
@@ -109,6 +110,58 @@ fn conditions_that_cannot_be_are_errors() {
             other => panic!("{name}: {other:?}"),
         }
     }
+}
+
+/// A pore has one pressure: what a wall, an earlier entry or a source says otherwise is refused
+/// with the pore and both values; the same pressure twice is none the worse.
+#[test]
+fn two_pressures_of_one_pore_are_refused() {
+    let s = settled();
+    let open = fluid(&[(WallId::YMax, 0.0)]);
+    let plain = flow(&s, &open, &[]).unwrap();
+    let conditions = plain.operators().conditions();
+    let number = |at_wall: bool| {
+        let found =
+            (0..plain.network().pores()).find(|&i| conditions.set_of(i).is_some() == at_wall);
+        found.unwrap() as u32
+    };
+    let (wall, free) = (number(true), number(false));
+    let on =
+        |pore: u32, pressure| ImposedPressure { pores: PoreSelection::Pores(vec![pore]), pressure };
+    for (imposed, entry, words) in [
+        (vec![on(wall, 2.0)], 0, ["2 Pa on pore", "0 Pa are imposed by the wall y_max"]),
+        (vec![on(free, 1.0), on(free, 3.0)], 1, ["3 Pa on pore", "1 Pa are imposed by entry 0"]),
+    ] {
+        match flow(&s, &open, &imposed) {
+            Err(PfvError::InvalidInput { argument: "imposed pressure", index, problem }) => {
+                assert_eq!(index, Some(entry));
+                assert!(words.iter().all(|w| problem.contains(w)), "{problem}");
+            }
+            other => panic!("{:?}", other.map(|_| ())),
+        }
+    }
+    flow(&s, &open, &[on(wall, 0.0), on(free, 1.0), on(free, 1.0)]).unwrap();
+    // A flux into a pore whose pressure was imposed by choice.
+    let mut imposed = flow(&s, &open, &[on(free, 1.0)]).unwrap();
+    let source = PoreSource { pores: PoreSelection::Pores(vec![free]), rate: 1e-6 };
+    let error = imposed.set_sources(&s.x, &[source]).unwrap_err().to_string();
+    assert!(error.contains("has an imposed pressure"), "{error}");
+}
+
+/// Where walls of different pressures meet, each pore has that of one of them, and how many there
+/// are is told; walls of one pressure contradict nothing.
+#[test]
+fn walls_of_different_pressures_are_named_where_they_meet() {
+    let s = settled();
+    let remarks = |pressures: &[(WallId, f64)]| {
+        let flow = flow(&s, &fluid(pressures), &[]).unwrap();
+        (flow.remarks().contested_pores, flow.remarks().warnings().join(" "))
+    };
+    let (contested, warnings) = remarks(&[(WallId::XMin, 1.0), (WallId::YMin, 2.0)]);
+    assert!(contested > 0);
+    let words = format!("{contested} pores touch walls of different pressures");
+    assert!(warnings.contains(&words), "{warnings}");
+    assert_eq!(remarks(&[(WallId::XMin, 1.0), (WallId::YMin, 1.0)]).0, 0);
 }
 
 /// Velocities that are not one per sphere, or no numbers, are refused, and so are positions.

@@ -104,7 +104,10 @@ const MISTAKES: &[Mistake] = &[
         "`y_max` in `pressure` is NaN",
     ),
     (|p| fluid(p).fluid.boundary.pressure[WallId::XMin] = Some(0.0), "x_min drains across it"),
-    (|p| fluid(p).fluid.boundary.pressure[WallId::YMin] = Some(0.0), "drains at both ends of y"),
+    (
+        |p| fluid(p).fluid.boundary.pressure[WallId::YMin] = Some(1.0),
+        "drains at both ends of y, at 0 Pa and at 1 Pa",
+    ),
     (
         |p| {
             p.stages.remove(3);

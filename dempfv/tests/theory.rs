@@ -111,6 +111,22 @@ fn a_drained_top_settles_at_once_and_shortens_the_path() {
     assert!((u(t, d) - (0.05 + 0.95 * 0.5)).abs() < 1e-14);
 }
 
+/// The series of a layer that is open at both ends, Σ 4/(π n) sin(n π z/H) exp(−n² π² c_v t / H²) over
+/// odd n (Carslaw and Jaeger, §3.4), with c_v t / H² = T_v / 4.
+#[test]
+fn both_ends_drained_is_the_series_of_an_open_layer() {
+    let pi = std::f64::consts::PI;
+    for t in [0.05, 0.3, 1.0] {
+        for z in [0.0, 0.1, 0.5, 0.8, 1.0] {
+            let term =
+                |n: f64| 4.0 / (pi * n) * (n * pi * z).sin() * (-n * n * pi * pi * t / 4.0).exp();
+            let series: f64 = (0..200).rev().map(|k| term(f64::from(2 * k + 1))).sum();
+            let error = (excess_pressure_both_ends(z, t) - series).abs();
+            assert!(error < 1e-14, "z = {z}, T_v = {t}: {error:e}");
+        }
+    }
+}
+
 #[test]
 fn permeability_of_a_bed_of_spheres() {
     // ε = 0.4, d = 1 mm: 0.064e-6 / (180 · 0.36) by hand.

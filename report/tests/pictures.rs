@@ -65,11 +65,43 @@ fn consolidation() {
         degree: &u,
         base_pressure: &p,
         drained_share: d,
+        both_ends: false,
         caption: "1000 spheres, 10 → 11 kPa, drained at the top; *c*_{v} = 0.318 m²/s from the modulus and the permeability that the same run measured",
     });
     let words = ["Degree of consolidation U", "Time factor Tv = cv t / H2", "simulated"];
     save(&picture, "consolidation", &words);
     save(&picture, "consolidation", &["theory, top 5.2 % drained from the start", "theory, plain"]);
+}
+
+/// Where both ends drain, axes and legend say so, and the theory is the same one in T_v.
+#[test]
+fn consolidation_with_two_drained_ends() {
+    let t: Vec<f64> = (1..=300).map(|i| i as f64 / 300.0).collect();
+    let u: Vec<f64> =
+        t.iter().map(|&t| theory::degree_of_consolidation_drained_top(t, 0.1)).collect();
+    let p: Vec<f64> = t.iter().map(|&t| theory::excess_pressure(1.0, t / 0.81)).collect();
+    let picture = plot::consolidation(&Consolidation {
+        time_factor: &t,
+        degree: &u,
+        base_pressure: &p,
+        drained_share: 0.1,
+        both_ends: true,
+        caption: "",
+    });
+    let words = [
+        "Time factor Tv = 4 cv t / H2",
+        "Pressure at mid-height",
+        "theory, 10.0 % at the ends drained from the start",
+    ];
+    save(&picture, "consolidation-both-ends", &words);
+    let height: Vec<f64> = (0..20).map(|i| (i as f64 + 0.5) / 20.0).collect();
+    let pressure: Vec<f64> = height
+        .iter()
+        .map(|h| theory::excess_pressure_both_ends((h - 0.05) / 0.9, 0.2 / 0.81))
+        .collect();
+    let profile = Profile { time_factor: 0.2, height: &height, pressure: &pressure };
+    let picture = plot::profiles(&[profile], (0.1, true), "");
+    save(&picture, "profiles-both-ends", &["0.2"]);
 }
 
 #[test]
@@ -98,7 +130,7 @@ fn profiles() {
         .collect();
     let picture = plot::profiles(
         &profiles,
-        d,
+        (d, false),
         "Dots: mean of the pores in 20 layers; lines: Terzaghi, drained top counted",
     );
     save(

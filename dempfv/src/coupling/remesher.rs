@@ -355,11 +355,7 @@ impl Remesher {
         let volume_change = match context.saturation.remesh.strain {
             None => vec![],
             Some(_) if snapshot.step == context.step => vec![0.0; flow.network().pores()],
-            Some(_) => {
-                let now =
-                    flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_());
-                now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
-            }
+            Some(_) => volume_change(&flow, &context),
         };
         let state = FluidState {
             snapshot,
@@ -439,7 +435,7 @@ impl Remesher {
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
-            state.volume_change = vec![0.0; flow.network().pores()];
+            state.volume_change = volume_change(&flow, &context);
         }
         if self.acceleration.update != Update::EveryStep {
             // From here on the matrix must be the one that was factored.
@@ -455,6 +451,12 @@ impl Remesher {
         }
         Ok(())
     }
+}
+
+/// What each pore has grown by since the positions that its network was built of (m³).
+fn volume_change(flow: &Flow, context: &RemeshContext) -> Vec<f64> {
+    let now = flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_());
+    now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
 }
 
 impl Pending {

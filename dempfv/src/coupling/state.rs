@@ -74,6 +74,19 @@ impl CoupledState {
     pub fn steps(&self) -> u64 {
         self.progress.steps
     }
+
+    /// Gives the spheres another density (kg/m³): their masses follow, their velocities stay.
+    pub(crate) fn set_density(&mut self, density: f64) {
+        let before = std::mem::replace(&mut self.parameters.material.density, density);
+        if density != before {
+            self.dem.particles.mass.iter_mut().for_each(|mass| *mass *= density / before);
+        }
+    }
+
+    /// Forgets the network: the next step builds one of the positions of the moment.
+    pub(crate) fn forget_network(&mut self) {
+        self.progress.fluid = None;
+    }
 }
 
 impl Coupled {

@@ -44,6 +44,20 @@ impl GrowthOptions {
             max_steps: 200_000,
         }
     }
+
+    fn check(&self) -> Result<(), DemError> {
+        positive("compaction stress", self.stress)?;
+        for (name, factor) in [("fast_factor", self.fast_factor), ("slow_factor", self.slow_factor)]
+        {
+            if !(factor > 1.0 && factor.is_finite()) {
+                return Err(DemError::Parameter { name, value: factor, expected: "more than 1" });
+            }
+        }
+        positive("growth interval", self.interval as f64)?;
+        positive("time_step_safety", self.time_step_safety)?;
+        positive("unbalanced_tolerance", self.unbalanced_tolerance)?;
+        positive("stress_tolerance", self.stress_tolerance)
+    }
 }
 
 /// Where a compaction stands.
@@ -70,7 +84,7 @@ pub struct GrowthCompaction {
     status: GrowthStatus,
     /// The stress has once passed the goal.
     passed: bool,
-    /// Time step in use (s).
+    /// Time step in use (s); 0 where the next step has to choose one.
     dt: f64,
     /// See [`GrowthCompaction::set_time_step`].
     fixed_dt: Option<f64>,
@@ -82,31 +96,30 @@ impl GrowthCompaction {
     /// # Errors
     /// [`DemError::Parameter`] for options that make no sense.
     pub fn new(options: GrowthOptions) -> Result<GrowthCompaction, DemError> {
-        positive("compaction stress", options.stress)?;
-        for (name, factor) in
-            [("fast_factor", options.fast_factor), ("slow_factor", options.slow_factor)]
-        {
-            if !(factor > 1.0 && factor.is_finite()) {
-                return Err(DemError::Parameter { name, value: factor, expected: "more than 1" });
-            }
-        }
-        positive("growth interval", options.interval as f64)?;
-        positive("time_step_safety", options.time_step_safety)?;
-        positive("unbalanced_tolerance", options.unbalanced_tolerance)?;
-        positive("stress_tolerance", options.stress_tolerance)?;
+        options.check()?;
         let status = GrowthStatus { steps: 0, stress: 0.0, unbalanced: 0.0, done: false };
         Ok(GrowthCompaction { options, status, passed: false, dt: 0.0, fixed_dt: None })
     }
 
-    /// Changes after how many steps in all it gives up.
-    pub fn set_max_steps(&mut self, max_steps: u64) {
-        self.options.max_steps = max_steps;
+    /// Changes how it goes on; [`GrowthOptions::max_steps`] counts from the beginning.
+    ///
+    /// # Errors
+    /// As [`GrowthCompaction::new`].
+    pub fn set_options(&mut self, options: GrowthOptions) -> Result<(), DemError> {
+        options.check()?;
+        self.options = options;
+        Ok(())
     }
 
     /// Fixes the time step (s); `None`: the largest that is safe, chosen anew
     /// at each control step.
     pub fn set_time_step(&mut self, dt: Option<f64>) {
         self.fixed_dt = dt;
+    }
+
+    /// Makes the next step choose its time step, after something has changed that bears on it.
+    pub fn refresh_time_step(&mut self) {
+        self.dt = 0.0;
     }
 
     /// Where the compaction stands.
@@ -138,6 +151,9 @@ impl GrowthCompaction {
             }
         }
         self.check_steps()?;
+        if self.dt == 0.0 {
+            self.choose_time_step(dem)?;
+        }
         dem.integrate(self.dt, None, None)?;
         self.status.steps += 1;
         Ok(self.status)
@@ -172,6 +188,10 @@ impl GrowthCompaction {
         // An early burst of stress must not shrink the spheres to nothing.
         let factor = (1.0 + missing * (largest - 1.0)).max(0.9);
         dem.scale_radii(factor)?;
+        self.choose_time_step(dem)
+    }
+
+    fn choose_time_step(&mut self, dem: &mut Dem) -> Result<(), DemError> {
         self.dt = match self.fixed_dt {
             None => dem.safe_time_step(self.options.time_step_safety),
             Some(dt) => stable(dt, dem.safe_time_step(1.0))?,

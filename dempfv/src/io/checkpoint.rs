@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::atomic::AtomicFile;
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::error::Result;
@@ -20,7 +21,8 @@ const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
 const FORMAT: u32 = 7;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-const REMEDY: &str = "give a checkpoint that this version of dempfv wrote";
+const REMEDY: &str =
+    "give a checkpoint that this version of dempfv wrote, or begin the run anew without it";
 
 /// Writes a checkpoint. The one that was there is replaced only once the disk
 /// has the new one.
@@ -93,6 +95,7 @@ fn body(bytes: &[u8]) -> Result<&[u8], String> {
     let name = take_u32(&mut rest).ok_or(cut)? as usize;
     let version = String::from_utf8_lossy(take(&mut rest, name).ok_or(cut)?);
     if version != VERSION {
+        let version = excerpt(&version);
         return Err(format!("a checkpoint of dempfv {version}; this is dempfv {VERSION}"));
     }
     match (rest.len() as u64).cmp(&length) {

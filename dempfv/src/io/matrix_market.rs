@@ -11,6 +11,7 @@ use std::path::Path;
 
 use super::atomic;
 use super::number::number;
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::error::Result;
@@ -137,7 +138,7 @@ impl<'a> File<'a> {
             None => Ok(file),
             Some((line, text)) => Err(file.wrong(
                 line,
-                format!("`{text}` after the last entry"),
+                format!("`{}` after the last entry", excerpt(text)),
                 "the file must end after as many entries as its size line says",
             )),
         }
@@ -154,7 +155,8 @@ impl<'a> File<'a> {
             && matches!(field, "real" | "integer")
             && matches!(symmetry, "symmetric" | "general");
         if !known {
-            let what = format!("cannot solve with a `{layout} {field} {symmetry}` matrix");
+            let kind = excerpt(&format!("{layout} {field} {symmetry}"));
+            let what = format!("cannot solve with a `{kind}` matrix");
             return Err(self.wrong(1, what, FIRST_LINE));
         }
         self.symmetric = symmetry == "symmetric";
@@ -179,7 +181,8 @@ impl<'a> File<'a> {
             text.split_whitespace().map(|word| word.parse().ok()).collect();
         let sizes: Option<[usize; N]> = sizes.and_then(|sizes| sizes.try_into().ok());
         sizes.ok_or_else(|| {
-            self.wrong(line, format!("`{text}` is no size line"), &format!("it must give {names}"))
+            let what = format!("`{}` is no size line", excerpt(text));
+            self.wrong(line, what, &format!("it must give {names}"))
         })
     }
 
@@ -202,7 +205,7 @@ impl<'a> File<'a> {
             let (Some(i), Some(j), Some(value), None) =
                 (words.next(), words.next(), words.next(), words.next())
             else {
-                let what = format!("`{text}` is no entry");
+                let what = format!("`{}` is no entry", excerpt(text));
                 return Err(self.wrong(line, what, "it must be row, column and value"));
             };
             let row = self.index(i, rows, "row", line)?;
@@ -258,7 +261,7 @@ impl<'a> File<'a> {
             Ok(index) if (1..=size).contains(&index) => Ok(index - 1),
             _ => Err(self.wrong(
                 line,
-                format!("{name} {word} does not exist"),
+                format!("{name} {} does not exist", excerpt(word)),
                 &format!("{name}s count from 1 to {size}"),
             )),
         }
@@ -266,7 +269,8 @@ impl<'a> File<'a> {
 
     fn value(&self, word: &str, line: usize) -> Result<f64> {
         number(word, "").map_err(|_| {
-            self.wrong(line, format!("the value `{word}`"), "it must be one finite number")
+            let what = format!("the value `{}`", excerpt(word));
+            self.wrong(line, what, "it must be one finite number")
         })
     }
 

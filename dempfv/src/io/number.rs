@@ -1,5 +1,6 @@
 //! Numbers in text files.
 
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 
 /// A finite number; Fortran writes exponents with D.
@@ -10,7 +11,7 @@ pub(super) fn number(word: &str, form: &str) -> Result<f64, InputError> {
     let fortran = || word.replace(['d', 'D'], "e").parse();
     match word.parse::<f64>().or_else(|_| fortran()) {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(InputError::new(format!("`{word}` is not a finite number"), form)),
-        Err(_) => Err(InputError::new(format!("`{word}` is not a number"), form)),
+        Ok(_) => Err(InputError::new(format!("`{}` is not a finite number", excerpt(word)), form)),
+        Err(_) => Err(InputError::new(format!("`{}` is not a number", excerpt(word)), form)),
     }
 }

@@ -1,6 +1,7 @@
 //! Where the numbers of a sphere stand in a line: the forms in which programs write packings.
 
 use super::number::number;
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 
 /// How to write a line, in words.
@@ -42,7 +43,8 @@ impl Layout {
         let (Some(x), Some(y), Some(z), Some((r, factor))) =
             (find(&["x", "xu"]), find(&["y", "yu"]), find(&["z", "zu"]), size)
         else {
-            let what = format!("the columns `{}` have no x, y, z and radius", names.join(" "));
+            let names = excerpt(&names.join(" "));
+            let what = format!("the columns `{names}` have no x, y, z and radius");
             return Err(InputError::new(what, NAMES));
         };
         Ok(Layout { column: [x, y, z, r], factor, columns: Columns::Exactly(names.len()) })

@@ -67,7 +67,7 @@ impl Assembled {
     }
 
     /// As [`Assembled::new`], with pressures imposed on pores of choice beside those of the
-    /// walls. Of several for one pore the last counts.
+    /// walls.
     ///
     /// # Errors
     /// As [`Assembled::new`] and [`PoreConditions::impose`].

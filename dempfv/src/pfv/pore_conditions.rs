@@ -73,12 +73,12 @@ impl PoreConditions {
         PoreConditions { set_of, pressure, contested: contested as u32, pinned: false }
     }
 
-    /// Imposes a pressure (Pa) on pores of choice, whatever was imposed on them before.
-    /// `position` (m) and `bounds` are those that the network was built of.
+    /// Imposes a pressure (Pa) on pores of choice. `position` (m) has the sphere centres that the
+    /// network was built of.
     ///
     /// # Errors
     /// [`PfvError::InvalidInput`] where the pressure is not finite, a pore has no such
-    /// number, or none is selected.
+    /// number, none is selected, or a wall or an earlier call imposes another pressure on one.
     pub fn impose(
         &mut self,
         network: &Network,
@@ -103,16 +103,31 @@ impl PoreConditions {
         }
         for (k, &pore) in selected.iter().enumerate() {
             let pores = self.set_of.len();
-            match self.set_of.get_mut(pore as usize) {
-                Some(of) => *of = set,
-                None => {
-                    let problem = format!("pore {pore} of a network of {pores}");
-                    return Err(wrong("selected pores", Some(k), problem));
-                }
+            if pore as usize >= pores {
+                let problem = format!("pore {pore} of a network of {pores}");
+                return Err(wrong("selected pores", Some(k), problem));
             }
+            if let Some(problem) = self.contradiction(pore, *pressure) {
+                return Err(wrong("imposed pressure", Some((set - 6) as usize), problem));
+            }
+            self.set_of[pore as usize] = set;
         }
         self.pressure.push(Some(*pressure));
         Ok(())
+    }
+
+    /// What is wrong with a pressure (Pa) on a pore that has another one already.
+    fn contradiction(&self, pore: u32, pressure: f64) -> Option<String> {
+        let set = self.set_of(pore as usize)?;
+        let before = self.pressure[set].filter(|before| *before != pressure)?;
+        let by = match WallId::ALL.get(set) {
+            Some(wall) => format!("by the wall {wall}"),
+            None => format!("by entry {}", set - WallId::ALL.len()),
+        };
+        Some(format!(
+            "{pressure} Pa on pore {pore}, on which {before} Pa are imposed {by}: a pore has one pressure; \
+             choose other pores, or the same pressure"
+        ))
     }
 
     /// Number of pores that touch walls of different pressures, and have that of the last of

@@ -6,6 +6,7 @@
 //! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
 mod dem;
+mod difference;
 mod fluid;
 mod keys;
 mod kind;
@@ -25,6 +26,7 @@ mod wrong;
 
 pub use crate::dem::WallControl;
 pub use dem::{Dem, TimeStep};
+pub use difference::{Difference, differences};
 pub use fluid::Fluid;
 pub use output::Output;
 pub use packing_check::{load_packing, validate_packing};

@@ -109,10 +109,11 @@ impl Plan {
     /// wrong.
     pub fn load(path: impl AsRef<Path>) -> std::result::Result<Plan, Error> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            InputError::new(format!("cannot read the scene: {e}"), "name a scene file in TOML")
-                .in_file(path)
-        })?;
+        let wrong = |what: String| InputError::new(what, "name a scene file in TOML").in_file(path);
+        let bytes =
+            std::fs::read(path).map_err(|e| wrong(format!("cannot read the scene: {e}")))?;
+        let text = String::from_utf8(bytes)
+            .map_err(|_| wrong("the scene is not text, perhaps a checkpoint".to_owned()))?;
         Ok(Plan::from_toml(&text, Some(path))?)
     }
 

@@ -9,6 +9,7 @@ use super::nearest::{nearest, suggestion};
 use super::schema::Schema;
 use super::wrong::Wrong;
 use crate::domain::{Vec3, WallId};
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -124,7 +125,7 @@ impl<'a> Table<'a> {
             None => Ok(Table { source, schema, entries, at }),
             Some(key) => Err(source.error(
                 key.span().start,
-                format!("unknown {} `{}` in {}", schema.noun, key.get_ref(), schema.name),
+                format!("unknown {} `{}` in {}", schema.noun, excerpt(key.get_ref()), schema.name),
                 remedy_for_key(key.get_ref(), schema, source.schemas),
             )),
         }
@@ -188,7 +189,7 @@ impl<'a> Value<'a> {
     /// What stands there, in words.
     fn found(&self) -> String {
         match self.node {
-            DeValue::String(s) => format!("a text (\"{s}\")"),
+            DeValue::String(s) => format!("a text (\"{}\")", excerpt(s)),
             DeValue::Integer(i) => i.to_string(),
             DeValue::Float(f) => f.as_str().to_owned(),
             DeValue::Boolean(b) => b.to_string(),
@@ -219,18 +220,13 @@ impl<'a> Value<'a> {
     pub fn count(&self, least: u64) -> Result<u64> {
         let n = match self.node {
             DeValue::Integer(i) => u64::from_str_radix(i.as_str(), i.radix()).ok(),
-            _ => None,
+            _ => self.whole(),
         };
-        n.filter(|&n| n >= least && n <= i64::MAX as u64).ok_or_else(|| match self.whole() {
-            Some(n) if n >= least => self.error(
-                &format!("is {}", self.found()),
-                format!("write the whole number as {n}, without point or exponent"),
-            ),
-            _ => self.wrong_type(&format!("a whole number of {least} or more")),
-        })
+        n.filter(|&n| n >= least && n <= i64::MAX as u64)
+            .ok_or_else(|| self.wrong_type(&format!("a whole number of {least} or more")))
     }
 
-    /// The whole number that a number with a point or an exponent is.
+    /// The whole number that a number with a point or an exponent is, as in 1e3.
     fn whole(&self) -> Option<u64> {
         let DeValue::Float(f) = self.node else { return None };
         let x: f64 = f.as_str().parse().ok()?;
@@ -272,11 +268,10 @@ impl<'a> Value<'a> {
     pub fn choice<T: Copy>(&self, options: &[(&str, T)]) -> Result<T> {
         let names: Vec<&str> = options.iter().map(|(name, _)| *name).collect();
         let given = self.text(&format!("one of {}", names.join(", ")))?;
-        options
-            .iter()
-            .find(|(name, _)| *name == given)
-            .map(|(_, value)| *value)
-            .ok_or_else(|| self.error(&format!("is \"{given}\""), suggestion(given, &names)))
+        options.iter().find(|(name, _)| *name == given).map(|(_, value)| *value).ok_or_else(|| {
+            let problem = format!("is \"{}\"", excerpt(given));
+            self.error(&problem, suggestion(given, &names))
+        })
     }
 
     pub fn wall(&self) -> Result<WallId> {

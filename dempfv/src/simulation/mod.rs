@@ -21,7 +21,9 @@
 
 mod clock;
 mod estimate;
+mod fingerprint;
 mod outcome;
+mod restart;
 mod run;
 mod setup;
 mod stability;
@@ -34,6 +36,7 @@ pub use outcome::{
     Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
     StageOutcome, StressPath, StressPathSample,
 };
+pub use restart::{Change, Effect, Restart};
 pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
 pub use stability::Stability;

@@ -86,7 +86,7 @@ pub struct PermeabilityTest {
     pub residual: f64,
 }
 
-/// One-way consolidation under a stress put on at once.
+/// One-dimensional consolidation under a stress put on at once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Consolidation {
     /// The loaded wall.
@@ -95,6 +95,10 @@ pub struct Consolidation {
     pub load_pa: f64,
     /// Height of the layer at the start (m).
     pub height_m: f64,
+    /// The walls that drain: an end of the loaded axis or both, the loaded wall first.
+    pub drained_walls: Vec<WallId>,
+    /// The longest way out: the height, or half of it where both ends drain (m).
+    pub drainage_path_m: f64,
     /// Oedometric modulus measured before (Pa).
     pub modulus_pa: f64,
     /// Permeability measured before (m²).
@@ -103,7 +107,7 @@ pub struct Consolidation {
     pub c_v_m2_s: f64,
     /// Settlement that the modulus predicts, `H (1 - exp(-Δσ / E_oed))` (m).
     pub final_settlement_m: f64,
-    /// Share of the height in pores that touch the drained wall (1): their
+    /// Share of the height in pores that touch a drained wall (1): their
     /// pressure is imposed, so they are drained from the start.
     pub drained_share: f64,
     /// The course of the consolidation.
@@ -115,14 +119,15 @@ pub struct Consolidation {
 /// A moment of a consolidation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConsolidationSample {
-    /// Time factor `T_v = c_v t / H²` (1).
+    /// Time factor `T_v = c_v t / d²` with the drainage path d (1).
     pub time_factor: f64,
     /// Settlement of the wall (m).
     pub settlement_m: f64,
     /// Settlement over the final settlement (1).
     pub degree: f64,
     /// Mean pressure of the pores at the wall opposite the drained one, over
-    /// the added stress (1).
+    /// the added stress (1); where both ends drain, of those in the tenth of the
+    /// height at its middle.
     pub base_pressure: f64,
 }
 
@@ -131,7 +136,8 @@ pub struct ConsolidationSample {
 pub struct Profile {
     /// Time factor (1).
     pub time_factor: f64,
-    /// Distance of each slab's middle from the drained wall over the height (1).
+    /// Distance of each slab's middle from the drained wall, the loaded one where both are,
+    /// over the height (1).
     pub depth: Vec<f64>,
     /// Mean pressure of each slab, by pore volume, over the added stress (1).
     pub pressure: Vec<f64>,
@@ -183,6 +189,11 @@ impl Consolidation {
     pub fn largest_error(&self, from: f64, to: f64) -> f64 {
         let within = self.samples.iter().filter(|s| (from..=to).contains(&s.time_factor));
         within.map(|s| (s.degree - self.theory(s.time_factor)).abs()).fold(0.0, f64::max)
+    }
+
+    /// Whether fluid leaves at both ends of the layer.
+    pub fn drains_at_both_ends(&self) -> bool {
+        self.drained_walls.len() > 1
     }
 
     /// Terzaghi's degree of consolidation with the drained layer counted (1).

@@ -5,16 +5,18 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
+use super::fingerprint::fingerprint;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
+use super::restart::{self, Effect, Origin, Restart, UnderWay};
 use super::setup;
-use super::stages::{Active, Context, Progress};
-use super::warning::Warning;
+use super::stages::{Active, Changes, Context, Progress};
+use super::warning::{Warning, warn};
 use crate::coupling::{
     Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
     TimeStepBounds, UnmetTolerance,
 };
 use crate::dem::law::Linear;
-use crate::scene::{Plan, Stage};
+use crate::scene::{self, Plan, Stage};
 use crate::{Error, InputError, PerWall, Result};
 
 /// A plan being carried out.
@@ -23,6 +25,8 @@ use crate::{Error, InputError, PerWall, Result};
 /// caller may look, save the [`SimulationState`], or stop.
 pub struct Simulation {
     plan: Plan,
+    origin: Origin,
+    restarted: Option<Restart>,
     coupled: Coupled,
     clock: Clock,
     /// Index of the current stage; the number of stages when all are done.
@@ -41,6 +45,7 @@ const NO_STRESS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// Everything that a checkpoint must hold to go on with the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimulationState {
+    origin: Origin,
     clock: Clock,
     stage: u64,
     active: Option<Active>,
@@ -62,6 +67,16 @@ impl SimulationState {
     pub fn time(&self) -> f64 {
         self.clock.time
     }
+
+    /// How far the run had come, in the stages of a plan.
+    fn under_way<'a>(&'a self, plan: &'a Plan) -> UnderWay<'a> {
+        let steps = self.clock.step - self.stage_start.0;
+        let going = self.active.as_ref().zip(plan.stages.get(self.stage as usize));
+        UnderWay {
+            over: self.outcomes.iter().map(|o| o.name.as_str()).collect(),
+            stage: going.map(|(active, stage)| (stage.name.as_str(), active.kind(), steps)),
+        }
+    }
 }
 
 impl Simulation {
@@ -72,9 +87,13 @@ impl Simulation {
     /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
         plan.validate()?;
-        let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
+        let packing = setup::initial_packing(&plan)?;
+        let origin = Origin::new(&plan, &packing.0, &packing.1, packing.2);
+        let coupled = setup::coupled(&plan, setup::mechanics(&plan, packing)?);
         Ok(Simulation {
             plan,
+            origin,
+            restarted: None,
             coupled,
             clock: Clock::new(),
             stage: 0,
@@ -87,12 +106,14 @@ impl Simulation {
         })
     }
 
-    /// Goes on from a state, with the same bits as if it had not stopped. What
-    /// the plan allows a stage (`max_steps`) holds from here on.
+    /// Goes on from a state, with the same bits as if it had not stopped. What the plan says
+    /// otherwise than the one that the state was made with holds from the next step on;
+    /// [`Simulation::restarted`] tells what that is, and [`Simulation::warnings`] what is odd in it.
     ///
     /// # Errors
-    /// When the plan's stages are not those that the state has come through, or
-    /// as a step.
+    /// [`Error::Input`] when the plan's stages are not those that the state has come through, and
+    /// for what no restart can change: spheres, their box, what a measurement under way is
+    /// reckoned from. Otherwise as a step.
     pub fn restart(plan: Plan, state: SimulationState) -> Result<Simulation> {
         Simulation::restart_with(plan, state, Arc::new(StandardBuilder))
     }
@@ -109,17 +130,41 @@ impl Simulation {
         plan.validate()?;
         let stage = state.stage as usize;
         check_stages(&plan, &state)?;
+        let differences = scene::differences(&state.origin.scene, &plan.to_toml())?;
+        let step = state.clock.step;
+        // The box first: a cloud's radii follow from it.
+        let origin = state.origin.with(&plan)?;
+        let changed = restart::judge(&plan, &differences, &state.under_way(&plan))?;
+        let mut warnings = state.warnings;
+        for change in changed.iter().filter(|change| change.effect == Effect::Odd) {
+            warn(&mut warnings, Warning::Restarted { step, change: change.clone() });
+        }
+
+        let going = state.active.as_ref().and(plan.stages.get(stage));
+        let changes = Changes::new(&differences, going.map(|stage| stage.name.as_str()));
         let mut saved = state.coupled;
-        saved.parameters = parameters(&plan, saved.parameters);
+        let was_wet = saved.parameters.saturation.is_some();
+        let is_wet = going.map_or(was_wet, |stage| stage.kind.is_coupled());
+        saved.set_density(plan.particles.material.density);
+        saved.parameters = parameters(&plan, is_wet);
+        if changes.outdate_network() {
+            saved.forget_network();
+        }
         let (mut coupled, progress) = Coupled::mechanics_of(saved, Linear)?;
         coupled.build_with(builder);
         let mut active = state.active;
-        if let (Some(active), Some(stage)) = (&mut active, plan.stages.get(stage)) {
-            active.restore(&mut coupled, &plan, stage)?;
+        if let (Some(active), Some(going)) = (&mut active, going) {
+            let start = state.stage_start;
+            active.restore(&mut coupled, &plan, going, &changes, (start, &state.clock))?;
         }
         coupled.take_up(progress)?;
+        if changes.bear_on_time_step() {
+            coupled.refresh_time_step();
+        }
         Ok(Simulation {
             plan,
+            origin,
+            restarted: Some(Restart { step, changed }),
             coupled,
             clock: state.clock,
             stage,
@@ -127,7 +172,7 @@ impl Simulation {
             stage_start: state.stage_start,
             outcomes: state.outcomes,
             previous_remeshes: state.remeshes,
-            warnings: state.warnings,
+            warnings,
             stress_extremes: state.stress_extremes,
         })
     }
@@ -229,6 +274,12 @@ impl Simulation {
         &self.plan
     }
 
+    /// How the simulation was taken up again, and what the plan has changed there; `None` for
+    /// one that began with its plan.
+    pub fn restarted(&self) -> Option<&Restart> {
+        self.restarted.as_ref()
+    }
+
     /// The stage that the next step belongs to; `None` when all are done.
     pub fn stage(&self) -> Option<&Stage> {
         self.plan.stages.get(self.stage)
@@ -325,6 +376,7 @@ impl Simulation {
     /// What a checkpoint must hold.
     pub fn state(&self) -> SimulationState {
         SimulationState {
+            origin: self.origin.clone(),
             clock: self.clock,
             stage: self.stage as u64,
             active: self.active.clone(),
@@ -347,24 +399,18 @@ impl Simulation {
         let vectors = order.iter().flat_map(|&i| [particles.position[i], particles.velocity[i]]);
         let pressures = self.coupled.storage_flow().map_or(&[][..], |f| f.pressure());
         let numbers = vectors.flat_map(|v| [v.x, v.y, v.z]).chain(pressures.iter().copied());
-        // FNV-1a, 64 bits.
-        let hash = numbers
-            .flat_map(|x| x.to_bits().to_le_bytes())
-            .fold(0xcbf2_9ce4_8422_2325u64, |h, byte| {
-                (h ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-            });
-        format!("{hash:016x}")
+        format!("{:016x}", fingerprint(numbers))
     }
 }
 
-/// What a plan says of spheres and fluid, where `saved` has a fluid at all.
-fn parameters(plan: &Plan, saved: Parameters) -> Parameters {
+/// What a plan says of spheres and fluid, the latter where the pores are filled.
+fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
     let fluid = plan.fluid.as_ref();
     Parameters {
         materials: vec![plan.particles.material],
         wall_material: plan.walls.material,
         options: setup::options(plan),
-        saturation: fluid.filter(|_| saved.saturation.is_some()).map(|f| f.saturation()),
+        saturation: fluid.filter(|_| is_wet).map(|f| f.saturation()),
         acceleration: fluid.map(|f| f.acceleration).unwrap_or_default(),
         tolerance: fluid.map(|f| f.tolerance),
         probes: plan.output.probes.clone(),

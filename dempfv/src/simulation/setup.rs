@@ -35,9 +35,11 @@ pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
     Ok((position, radius, bounds))
 }
 
-/// The mechanics of a plan, at rest.
-pub(super) fn mechanics(plan: &Plan) -> Result<Dem> {
-    let (position, radius, bounds) = initial_packing(plan)?;
+/// The mechanics of a plan whose spheres are at rest at their first places.
+pub(super) fn mechanics(
+    plan: &Plan,
+    (position, radius, bounds): (Vec<Vec3>, Vec<f64>, Aabb),
+) -> Result<Dem> {
     let material = plan.particles.material;
     let particles = dem::Particles::new(position, radius, material.density);
     Ok(Dem::new(particles, bounds, material, plan.walls.material, options(plan))?)

@@ -46,7 +46,7 @@ impl Stability {
     pub fn of(plan: &Plan) -> Result<Option<Stability>> {
         let stage = plan.stages.iter().find(|s| s.kind.is_coupled());
         let (Some(fluid), Some(stage)) = (&plan.fluid, stage) else { return Ok(None) };
-        let mut coupled = Coupled::new(setup::mechanics(plan)?);
+        let mut coupled = Coupled::new(setup::mechanics(plan, setup::initial_packing(plan)?)?);
         if let Some(mechanics) = plan.mechanics(stage) {
             coupled.controls().set_damping(mechanics.options.damping)?;
         }

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::estimate::UnstableStage;
+use super::restart::Change;
 use crate::domain::WallId;
 
 /// A warning of a stage.
@@ -14,6 +15,13 @@ pub enum Warning {
     UnstableTimeStep(UnstableStage),
     /// A servo wall has not held its stress.
     ServoMissed(ServoMissed),
+    /// A restart has changed what is simulated.
+    Restarted {
+        /// Steps that were done before.
+        step: u64,
+        /// What it has changed.
+        change: Change,
+    },
 }
 
 /// A servo wall that did not hold the stress asked for in the last part of a stage.
@@ -60,6 +68,7 @@ impl fmt::Display for Warning {
         match self {
             Warning::UnstableTimeStep(stage) => stage.fmt(f),
             Warning::ServoMissed(missed) => missed.fmt(f),
+            Warning::Restarted { step, change } => write!(f, "restart at step {step}: {change}"),
         }
     }
 }

@@ -12,14 +12,17 @@ use super::text::Face;
 /// What a run has measured; all slices have one entry per time.
 #[derive(Clone, Copy, Debug)]
 pub struct Consolidation<'a> {
-    /// T_v = c_v t / H² with the whole height H.
+    /// T_v = c_v t / d² with the drainage path d: the height, or half of it where both ends drain.
     pub time_factor: &'a [f64],
     /// Degree of consolidation: settlement over final settlement.
     pub degree: &'a [f64],
-    /// Excess pressure at the sealed base over the initial excess pressure.
+    /// Excess pressure at the sealed base, or at the middle of the height where both ends drain,
+    /// over the initial excess pressure.
     pub base_pressure: &'a [f64],
     /// Share of the height that is drained from the start.
     pub drained_share: f64,
+    /// Whether both ends drain.
+    pub both_ends: bool,
     /// Under the title: the specimen, c_v, where it comes from. Lines.
     pub caption: &'a str,
 }
@@ -44,8 +47,9 @@ pub fn consolidation(c: &Consolidation) -> Picture {
     let settled_plain = curve(&theory::degree_of_consolidation);
     let base = curve(&|t| theory::excess_pressure(1.0, t / (wet * wet)));
     let base_plain = curve(&|t| theory::excess_pressure(1.0, t));
-    let left = compared(c.time_factor, c.degree, &t, &settled_plain, &settled, c.drained_share);
-    let right = compared(c.time_factor, c.base_pressure, &t, &base_plain, &base, c.drained_share);
+    let drained = (c.drained_share, c.both_ends);
+    let left = compared(c.time_factor, c.degree, &t, &settled_plain, &settled, drained);
+    let right = compared(c.time_factor, c.base_pressure, &t, &base_plain, &base, drained);
 
     let edge = picture.width - MARGIN;
     let legend = panel::legend(&mut picture, &left, MARGIN, edge, top);
@@ -57,17 +61,24 @@ pub fn consolidation(c: &Consolidation) -> Picture {
         bottom: p.height - MARGIN,
     };
     // Settlement over the logarithm of time, as laboratories draw it.
-    let label = "Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}";
+    let label = match c.both_ends {
+        true => "Time factor *T*_{v} = 4 *c*_{v} *t* / *H*^{2}",
+        false => "Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}",
+    };
     let first = c.time_factor.iter().copied().fold(end, f64::min).max(1e-3 * end);
     let x = Axis::log(label).spanning(first, end);
     let y = Axis::linear("Degree of consolidation *U*").spanning(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
-    let y = Axis::linear("Base pressure / initial excess pressure")
-        .spanning(0.0, upper(c.base_pressure));
+    let (place, title) = match c.both_ends {
+        true => ("Pressure at mid-height", "Pressure at mid-height"),
+        false => ("Base pressure", "Pressure at the sealed base"),
+    };
+    let label_y = format!("{place} / initial excess pressure");
+    let y = Axis::linear(&label_y).spanning(0.0, upper(c.base_pressure));
     let x = Axis::linear(label).spanning(0.0, end);
     let area = room(middle + 8.0, edge, &picture);
-    Panel { title: "Pressure at the sealed base", x, y, series: &right }.draw(&mut picture, area);
+    Panel { title, x, y, series: &right }.draw(&mut picture, area);
     picture
 }
 
@@ -85,14 +96,17 @@ fn compared<'a>(
     t: &'a [f64],
     plain: &'a [f64],
     drained: &'a [f64],
-    share: f64,
+    (share, both_ends): (f64, bool),
 ) -> Vec<Series<'a>> {
     let series = |name: String, x, y, color, mark| Series { name: Some(name), x, y, color, mark };
     let simulated = series("simulated".into(), x, measured, SERIES[0], MEASURED);
     if share <= 0.0 {
         return vec![series("theory".into(), t, plain, BLACK, THEORY), simulated];
     }
-    let top = format!("theory, top {:.1} % drained from the start", 100.0 * share);
+    let top = match both_ends {
+        true => format!("theory, {:.1} % at the ends drained from the start", 100.0 * share),
+        false => format!("theory, top {:.1} % drained from the start", 100.0 * share),
+    };
     vec![
         series("theory, plain".into(), t, plain, BLACK, THEORY_PLAIN),
         series(top, t, drained, BLACK, THEORY),
@@ -103,31 +117,36 @@ fn compared<'a>(
 /// Pressure over height at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile<'a> {
-    /// Time factor T_v with the whole height.
+    /// Time factor T_v with the whole drainage path.
     pub time_factor: f64,
-    /// Height over the layer's height: 0 at the sealed base, 1 at the drained
-    /// top.
+    /// Height over the layer's height: 1 at the drained top, 0 at the base.
     pub height: &'a [f64],
     /// Mean excess pressure at that height over the initial excess pressure.
     pub pressure: &'a [f64],
 }
 
 /// Height against excess pressure at several times, with the theory (the
-/// drained top counted).
-pub fn profiles(profiles: &[Profile], drained_share: f64, caption: &str) -> Picture {
+/// drained share counted: all of it at the top, or half at each end).
+pub fn profiles(
+    profiles: &[Profile],
+    (drained_share, both_ends): (f64, bool),
+    caption: &str,
+) -> Picture {
     let mut picture = Picture::new(620.0, 520.0);
     let top = heading(&mut picture, "Excess pore pressure over the height", caption);
     let wet = 1.0 - drained_share;
-    let height: Vec<f64> = (0..=200).map(|i| wet * f64::from(i) / 200.0).collect();
-    let theory: Vec<Vec<f64>> = profiles
-        .iter()
-        .map(|p| {
-            height
-                .iter()
-                .map(|h| theory::excess_pressure(1.0 - h / wet, p.time_factor / (wet * wet)))
-                .collect()
-        })
-        .collect();
+    let base = if both_ends { 0.5 * drained_share } else { 0.0 };
+    let share_of_wet: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
+    let height: Vec<f64> = share_of_wet.iter().map(|h| base + wet * h).collect();
+    let excess = match both_ends {
+        true => theory::excess_pressure_both_ends,
+        false => theory::excess_pressure,
+    };
+    let at = |p: &Profile| {
+        let time_factor = p.time_factor / (wet * wet);
+        share_of_wet.iter().map(|h| excess(1.0 - h, time_factor)).collect()
+    };
+    let theory: Vec<Vec<f64>> = profiles.iter().map(at).collect();
     let color = |i: usize| viridis(0.87 * i as f64 / (profiles.len().max(2) - 1) as f64);
     let mut series: Vec<Series> = (theory.iter().enumerate())
         .map(|(i, p)| Series { name: None, x: p, y: &height, color: color(i), mark: THEORY })

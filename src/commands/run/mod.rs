@@ -4,6 +4,7 @@ mod history;
 mod pictures;
 mod recorder;
 mod remesh;
+mod restart;
 mod results;
 mod summary;
 
@@ -21,6 +22,7 @@ use dempfv_report::output::{OutputArgs, lock_folder, make_folder};
 use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
+use self::restart::Restart;
 pub use self::summary::Report;
 use super::Context;
 
@@ -68,9 +70,12 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         results::remove(&folder)?;
     }
     let recorder = Recorder::new(&folder, &simulation, from)?;
+    let restart = Restart::of(&simulation, args.restart.as_deref());
+    restart.iter().for_each(Restart::announce);
     let mut session = Session {
         folder,
         recorder,
+        restart,
         progress: context.progress(),
         start: Instant::now(),
         first: simulation.step(),
@@ -108,6 +113,7 @@ fn is_unfinished(summary: &Path) -> bool {
 struct Session {
     folder: PathBuf,
     recorder: Recorder,
+    restart: Option<Restart>,
     progress: Progress,
     start: Instant,
     /// Step that this session began at.
@@ -247,7 +253,7 @@ impl Session {
             self.start.elapsed(),
             steps,
             status,
-            &self.folder,
+            (self.restart.clone(), &self.folder),
         );
         self.keep_on_failure(&mut simulation, |s, _| {
             json::write(&s.folder.join(SUMMARY), &report)

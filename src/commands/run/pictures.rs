@@ -41,6 +41,7 @@ fn consolidation(
         degree: &degree,
         base_pressure: &base_pressure,
         drained_share: c.drained_share,
+        both_ends: c.drains_at_both_ends(),
         caption: &caption,
     })
     .save(folder, &name("consolidation", simulation, stage))?;
@@ -59,7 +60,7 @@ fn consolidation(
             pressure: &p.pressure,
         })
         .collect();
-    plot::profiles(&profiles, c.drained_share, &caption)
+    plot::profiles(&profiles, (c.drained_share, c.drains_at_both_ends()), &caption)
         .save(folder, &name("profiles", simulation, stage))
 }
 

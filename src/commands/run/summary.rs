@@ -15,6 +15,7 @@ use dempfv_report::{machine, versions};
 use serde::Serialize;
 
 use super::remesh::Remesh;
+use super::restart::Restart;
 
 /// How a run ended.
 pub struct Status {
@@ -34,6 +35,8 @@ pub struct Report {
     /// Ctrl-C ended the run.
     pub interrupted: bool,
     error: Option<String>,
+    /// The checkpoint that this session went on from, and what its scene has changed.
+    restart: Option<Restart>,
     particles: usize,
     pores: usize,
     unknowns: usize,
@@ -109,7 +112,7 @@ impl Report {
         wall: Duration,
         steps: u64,
         status: Status,
-        folder: &Path,
+        (restart, folder): (Option<Restart>, &Path),
     ) -> Report {
         let (plan, coupled) = (simulation.plan(), simulation.coupled());
         let seen = simulation.observe();
@@ -121,6 +124,7 @@ impl Report {
             finished: status.finished,
             interrupted: status.interrupted,
             error: status.error,
+            restart,
             particles: coupled.dem().storage().len(),
             pores,
             unknowns,
@@ -242,6 +246,9 @@ pub fn headline(outcome: &Outcome) -> String {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.title)?;
+        if let Some(restart) = &self.restart {
+            writeln!(f, "{restart}")?;
+        }
         for stage in &self.stages {
             writeln!(
                 f,
@@ -318,5 +325,7 @@ fn against_terzaghi(c: &Consolidation) -> String {
                 .to_vec()
         })
         .collect();
-    table(&["T_v", "U measured", "Terzaghi, top drained", "Terzaghi", "difference"], &rows)
+    let drained =
+        if c.drains_at_both_ends() { "Terzaghi, ends drained" } else { "Terzaghi, top drained" };
+    table(&["T_v", "U measured", drained, "Terzaghi", "difference"], &rows)
 }

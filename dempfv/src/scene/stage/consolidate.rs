@@ -31,8 +31,9 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
 );
 
 /// A stress is put on a wall at once and the packing drains, until a dimensionless time
-/// T_v = c_v t / H², with c_v = k E_oed / μ from the modulus and the permeability that
-/// the stages before measured.
+/// T_v = c_v t / d², with c_v = k E_oed / μ from the modulus and the permeability that
+/// the stages before measured, and the drainage path d: the height, or half of it where both
+/// ends drain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Consolidate {
     /// The loaded wall. Default `y_max`; a scene file must say it.
@@ -107,8 +108,8 @@ impl Consolidate {
         None
     }
 
-    /// What is wrong with this stage in its scene: it needs a measured c_v, and drains at one
-    /// end of its own axis, as Terzaghi's theory, by which T_v is defined, is one-dimensional.
+    /// What is wrong with this stage in its scene: it needs a measured c_v, and drains at one or
+    /// both ends of its own axis, as Terzaghi's theory, by which T_v is defined, is one-dimensional.
     pub(super) fn wrong_after(&self, measured: &Measured, fluid: &Fluid) -> Option<Wrong> {
         let axis = Axis::of(self.wall);
         let along = axis.name();
@@ -128,16 +129,22 @@ impl Consolidate {
         if !measured.permeability {
             return Some(missing("permeability", "permeability", format!("axis = \"{along}\"")));
         }
-        let problem = match fluid.pressure_walls().find(|(w, _)| Axis::of(*w) != axis) {
-            Some((side, _)) => {
-                format!("consolidates along {along}, but {side} drains across it")
-            }
-            None if fluid.pressure_walls().count() == 2 => {
-                format!("drains at both ends of {along}; its theory knows one")
-            }
-            None => return None,
-        };
         let (wall, opposite) = (self.wall, self.wall.opposite());
-        Some(Wrong::new(problem, format!("impose a pressure on {wall} or {opposite} only")))
+        if let Some((side, _)) = fluid.pressure_walls().find(|(w, _)| Axis::of(*w) != axis) {
+            return Some(Wrong::new(
+                format!("consolidates along {along}, but {side} drains across it"),
+                format!("impose a pressure on {wall}, {opposite} or both, and on no other wall"),
+            ));
+        }
+        let at = fluid.fluid.boundary.pressure;
+        match (at[wall], at[opposite]) {
+            (Some(p), Some(q)) if p != q => Some(Wrong::new(
+                format!(
+                    "drains at both ends of {along}, at {p} Pa and at {q} Pa: fluid would flow through for ever"
+                ),
+                format!("impose the same pressure on {wall} and {opposite}, or one on either"),
+            )),
+            _ => None,
+        }
     }
 }

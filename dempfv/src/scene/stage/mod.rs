@@ -23,6 +23,7 @@ use super::table::{Table, Value};
 use super::walls::Walls;
 use super::wrong::Wrong;
 use crate::domain::Axis;
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -309,7 +310,7 @@ fn read_name(table: &Table, kind: &StageKind, earlier: &[Stage]) -> Result<Strin
     let name = value.text("the stage's name")?;
     if name.trim().is_empty() || taken(name) {
         return Err(value.error(
-            &format!("is \"{name}\", which is empty or the name of an earlier stage"),
+            &format!("is \"{}\", which is empty or the name of an earlier stage", excerpt(name)),
             "give every stage a name of its own, or none",
         ));
     }

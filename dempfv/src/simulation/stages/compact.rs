@@ -6,43 +6,44 @@ use super::context::{Context, Progress};
 use crate::Result;
 use crate::coupling::{Coupled, Phase};
 use crate::dem::{GrowthCompaction, GrowthOptions};
-use crate::scene::{self, TimeStep};
+use crate::scene::{self, Plan, TimeStep};
 use crate::simulation::outcome::{Compaction, Outcome};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     growth: GrowthCompaction,
-    friction_angle: Option<f64>,
 }
 
 impl State {
     pub fn start(plan: &scene::Compact, context: &mut Context) -> Result<State> {
-        let mut options = GrowthOptions::new(plan.stress, context.plan.particles.material.young);
-        options.unbalanced_tolerance = plan.unbalanced;
-        options.stress_tolerance = plan.tolerance;
-        options.max_steps = plan.max_steps;
         let mechanics = context.mechanics();
-        options.time_step_safety = mechanics.safety;
-        let mut state =
-            State { growth: GrowthCompaction::new(options)?, friction_angle: plan.friction_angle };
-        state.restore(context.coupled, &mechanics)?;
+        let options = options(plan, context.plan, &mechanics);
+        let mut state = State { growth: GrowthCompaction::new(options)? };
+        state.restore(context.coupled, plan, context.plan, &mechanics)?;
         Ok(state)
     }
 
-    pub fn restore(&mut self, coupled: &mut Coupled, mechanics: &scene::Dem) -> Result<()> {
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &scene::Compact,
+        scene: &Plan,
+        mechanics: &scene::Dem,
+    ) -> Result<()> {
+        self.growth.set_options(options(plan, scene, mechanics))?;
         self.growth.set_time_step(match mechanics.dt {
             TimeStep::Auto => None,
             TimeStep::Fixed(dt) => Some(dt),
         });
-        if let Some(angle) = self.friction_angle {
+        if let Some(angle) = plan.friction_angle {
             coupled.controls().set_friction(angle)?;
         }
         Ok(())
     }
 
-    /// Changes how many steps the stage may take in all.
-    pub fn allow(&mut self, max_steps: u64) {
-        self.growth.set_max_steps(max_steps);
+    /// Makes the next step choose its time step anew.
+    pub fn refresh_time_step(&mut self) {
+        self.growth.refresh_time_step();
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
@@ -66,4 +67,13 @@ impl State {
             coordination_number: coupled.dem().coordination_number(),
         })))
     }
+}
+
+fn options(plan: &scene::Compact, scene: &Plan, mechanics: &scene::Dem) -> GrowthOptions {
+    let mut options = GrowthOptions::new(plan.stress, scene.particles.material.young);
+    options.unbalanced_tolerance = plan.unbalanced;
+    options.stress_tolerance = plan.tolerance;
+    options.max_steps = plan.max_steps;
+    options.time_step_safety = mechanics.safety;
+    options
 }

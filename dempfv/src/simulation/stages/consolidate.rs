@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::Changes;
 use super::context::{Context, Progress};
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
@@ -13,10 +14,13 @@ use crate::simulation::outcome::{
     Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
     StageOutcome,
 };
-use crate::{Axis, InputError, Result, WallId};
+use crate::{Axis, InputError, Result, Vec3, WallId};
 
 /// Slabs of a pressure profile: about one sphere each in a packing of 1000.
 const SLABS: usize = 10;
+/// Share of the height whose pores are the middle where both ends drain: about one sphere, as the
+/// pores at a wall.
+const MIDDLE: f64 = 0.1;
 /// Samples are this share of the time apart, but at least [`FINEST`].
 const SPACING: f64 = 0.01;
 const FINEST: f64 = 1e-4;
@@ -26,8 +30,7 @@ const FIRST: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     result: Consolidation,
-    drained: WallId,
-    /// Pressure imposed there (Pa): excess pressures are above it.
+    /// Pressure imposed at the drained walls (Pa): excess pressures are above it.
     outside: f64,
     until: f64,
     profiles_left: Vec<f64>,
@@ -51,21 +54,21 @@ impl State {
             .ok_or_else(|| missing("a measured permeability along its axis"))?
             .permeability_m2;
         context.saturate()?;
-        let (viscosity, drained, outside) = drainage(context, plan.wall)?;
+        let (viscosity, drained_walls, outside) = drainage(context, plan.wall)?;
 
         let before = context.coupled.dem().wall_stress(plan.wall);
-        context.coupled.controls().set_control(
-            plan.wall,
-            WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity },
-        )?;
+        context.coupled.controls().set_control(plan.wall, servo(plan))?;
         let dem = context.coupled.dem();
         let load = plan.stress - before;
         let height = dem.box_().size()[axis.index()];
+        let drainage_path = height / drained_walls.len() as f64;
         Ok(State {
             result: Consolidation {
                 wall: plan.wall,
                 load_pa: load,
                 height_m: height,
+                drained_walls,
+                drainage_path_m: drainage_path,
                 modulus_pa: modulus,
                 permeability_m2: permeability,
                 c_v_m2_s: permeability * modulus / viscosity,
@@ -74,7 +77,6 @@ impl State {
                 samples: vec![],
                 profiles: vec![],
             },
-            drained,
             outside,
             until: plan.until_tv,
             profiles_left: plan.profiles.clone(),
@@ -87,7 +89,7 @@ impl State {
     }
 
     fn time_factor(&self, clock: &Clock) -> f64 {
-        self.result.c_v_m2_s * (clock.time - self.start_time) / self.result.height_m.powi(2)
+        self.result.c_v_m2_s * (clock.time - self.start_time) / self.result.drainage_path_m.powi(2)
     }
 
     pub fn so_far(&self) -> &Consolidation {
@@ -98,9 +100,21 @@ impl State {
         (self.time_factor(clock) / self.until).min(1.0)
     }
 
-    /// Changes how many steps the stage may take in all.
-    pub fn allow(&mut self, max_steps: u64) {
-        self.max_steps = max_steps;
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &scene::Consolidate,
+        changes: &Changes,
+        clock: &Clock,
+    ) -> Result<()> {
+        self.max_steps = plan.max_steps;
+        self.until = plan.until_tv;
+        let now = self.time_factor(clock);
+        self.profiles_left = plan.profiles.iter().copied().filter(|&at| at > now).collect();
+        if changes.in_stage("max_velocity") {
+            coupled.controls().set_control(plan.wall, servo(plan))?;
+        }
+        Ok(())
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
@@ -109,7 +123,12 @@ impl State {
         let now = self.time_factor(context.clock);
         let Some(flow) = context.coupled.storage_flow() else { return Ok(Progress::Running) };
         if self.steps == 1 {
-            self.result.drained_share = drained_share(flow, self.drained, self.result.height_m);
+            let shares = self
+                .result
+                .drained_walls
+                .iter()
+                .map(|&w| drained_share(flow, w, self.result.height_m));
+            self.result.drained_share = shares.sum();
         }
         let over = now >= self.until;
         if now >= self.next_sample || over {
@@ -143,19 +162,34 @@ impl State {
             time_factor,
             settlement_m: settlement,
             degree: settlement / self.result.final_settlement_m,
-            base_pressure: (mean_pressure_at(flow, self.drained.opposite()) - self.outside)
-                / self.result.load_pa,
+            base_pressure: (self.farthest_pressure(flow) - self.outside) / self.result.load_pa,
         }
     }
 
+    /// Mean pressure of the pores that are the farthest from where fluid leaves (Pa).
+    fn farthest_pressure(&self, flow: &Flow) -> f64 {
+        if !self.result.drains_at_both_ends() {
+            return mean_pressure_at(flow, self.result.drained_walls[0].opposite());
+        }
+        let pores = self.pores(flow).filter(|(depth, _, _)| (depth - 0.5).abs() < MIDDLE / 2.0);
+        let (weighted, volume) =
+            pores.fold((0.0, 0.0), |(s, v), (_, volume, p)| (s + volume * p, v + volume));
+        weighted / volume
+    }
+
+    /// Of each pore: distance from the drained wall over the height (1), volume (m³), pressure (Pa).
+    fn pores<'f>(&self, flow: &'f Flow) -> impl Iterator<Item = (f64, f64, f64)> + 'f {
+        let wall = self.result.drained_walls[0];
+        let (axis, network) = (wall.axis(), flow.network());
+        let (at, height) = (network.bounds.wall(wall), network.bounds.size()[axis]);
+        let depth = move |center: &Vec3| wall.inward() * (center[axis] - at) / height;
+        let pores = network.center.iter().zip(&network.volume).zip(flow.pressure());
+        pores.map(move |((center, &volume), &pressure)| (depth(center), volume, pressure))
+    }
+
     fn profile(&self, time_factor: f64, flow: &Flow) -> Profile {
-        let (axis, bounds) = (self.drained.axis(), &flow.network().bounds);
-        let height = bounds.size()[axis];
         let mut sums = [(0.0, 0.0); SLABS];
-        for ((center, volume), pressure) in
-            flow.network().center.iter().zip(&flow.network().volume).zip(flow.pressure())
-        {
-            let depth = self.drained.inward() * (center[axis] - bounds.wall(self.drained)) / height;
+        for (depth, volume, pressure) in self.pores(flow) {
             let slab = (depth * SLABS as f64).clamp(0.0, SLABS as f64 - 1.0) as usize;
             sums[slab].0 += volume * (pressure - self.outside);
             sums[slab].1 += volume;
@@ -166,6 +200,10 @@ impl State {
             .unzip();
         Profile { time_factor, depth, pressure }
     }
+}
+
+fn servo(plan: &scene::Consolidate) -> WallControl {
+    WallControl::Servo { stress: plan.stress, max_velocity: plan.max_velocity }
 }
 
 /// The last finished measurement of the oedometric modulus along an axis.
@@ -184,18 +222,23 @@ fn last_permeability(outcomes: &[StageOutcome], axis: Axis) -> Option<&Permeabil
     })
 }
 
-/// The fluid's viscosity and the one drained wall, which must be an end of the
-/// loaded axis for the theory of one-way drainage to hold.
-fn drainage(context: &Context, loaded: WallId) -> Result<(f64, WallId, f64)> {
+/// The fluid's viscosity, the drained walls, the loaded one first, and the
+/// pressure there: they must be ends of the loaded axis for the theory of
+/// one-dimensional drainage to hold.
+fn drainage(context: &Context, loaded: WallId) -> Result<(f64, Vec<WallId>, f64)> {
     let fluid = context.plan.fluid.as_ref();
-    let walls: Vec<(WallId, f64)> = fluid.into_iter().flat_map(|f| f.pressure_walls()).collect();
-    match (fluid, &walls[..]) {
-        (Some(fluid), &[(wall, outside)]) if wall.axis() == loaded.axis() => {
-            Ok((fluid.fluid.viscosity, wall, outside))
+    let mut walls: Vec<(WallId, f64)> =
+        fluid.into_iter().flat_map(|f| f.pressure_walls()).collect();
+    walls.sort_by_key(|(wall, _)| *wall != loaded);
+    match (fluid, walls.first()) {
+        (Some(fluid), Some(&(_, outside)))
+            if walls.iter().all(|(w, p)| w.axis() == loaded.axis() && *p == outside) =>
+        {
+            Ok((fluid.fluid.viscosity, walls.into_iter().map(|(wall, _)| wall).collect(), outside))
         }
         _ => Err(InputError::new(
-            "a consolidate stage needs one-way drainage",
-            format!("impose a pressure on {loaded} or {} alone", loaded.opposite()),
+            "a consolidate stage needs one-dimensional drainage",
+            format!("impose one pressure on {loaded}, {} or both alone", loaded.opposite()),
         )
         .into()),
     }

@@ -3,8 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::strain::logarithmic_strain;
+use crate::coupling::Coupled;
 use crate::dem::WallControl;
 use crate::simulation::StageError;
 use crate::simulation::outcome::{LoadCycles, Outcome};
@@ -32,36 +34,56 @@ pub struct State {
 
 impl State {
     pub fn start(plan: &scene::Cycle, context: &mut Context) -> Result<State> {
-        let state = State {
+        let mut state = State {
             wall: plan.wall,
-            from: plan.from,
-            to: plan.to,
-            holds: 1 + 2 * u64::from(plan.cycles),
-            unbalanced: plan.unbalanced,
-            tolerance: plan.tolerance,
-            max_velocity: plan.max_velocity,
-            max_steps: plan.max_steps,
+            from: 0.0,
+            to: 0.0,
+            holds: 0,
+            unbalanced: 0.0,
+            tolerance: 0.0,
+            max_velocity: 0.0,
+            max_steps: 0,
             steps: 0,
             reference: context.coupled.dem().box_(),
             strain: vec![],
             stress: vec![],
         };
-        state.load(context)?;
+        state.follow(plan);
+        state.load(context.coupled)?;
         Ok(state)
+    }
+
+    /// Takes all but the wall from the plan.
+    fn follow(&mut self, plan: &scene::Cycle) {
+        self.from = plan.from;
+        self.to = plan.to;
+        self.holds = 1 + 2 * u64::from(plan.cycles);
+        self.unbalanced = plan.unbalanced;
+        self.tolerance = plan.tolerance;
+        self.max_velocity = plan.max_velocity;
+        self.max_steps = plan.max_steps;
+    }
+
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &scene::Cycle,
+        changes: &Changes,
+    ) -> Result<()> {
+        self.follow(plan);
+        match ["from", "to", "max_velocity"].iter().any(|key| changes.in_stage(key)) {
+            true => self.load(coupled),
+            false => Ok(()),
+        }
     }
 
     fn goal(&self) -> f64 {
         if self.strain.len().is_multiple_of(2) { self.from } else { self.to }
     }
 
-    fn load(&self, context: &mut Context) -> Result<()> {
+    fn load(&self, coupled: &mut Coupled) -> Result<()> {
         let control = WallControl::Servo { stress: self.goal(), max_velocity: self.max_velocity };
-        Ok(context.coupled.controls().set_control(self.wall, control)?)
-    }
-
-    /// Changes how many steps the stage may take in all.
-    pub fn allow(&mut self, max_steps: u64) {
-        self.max_steps = max_steps;
+        Ok(coupled.controls().set_control(self.wall, control)?)
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
@@ -85,8 +107,9 @@ impl State {
             logarithmic_strain(&self.reference, &context.coupled.dem().box_())[self.wall.axis()],
         );
         self.stress.push(stress);
-        if (self.strain.len() as u64) < self.holds {
-            self.load(context)?;
+        // The last hold is one at the lower stress, also where a restart asks for fewer.
+        if (self.strain.len() as u64) < self.holds || self.strain.len().is_multiple_of(2) {
+            self.load(context.coupled)?;
             return Ok(Progress::Running);
         }
         Ok(Progress::Finished(Outcome::Cycle(self.result())))

@@ -1,6 +1,7 @@
 //! The stages of a scene, one file per kind. A stage holds what must survive a
 //! checkpoint in the midst of it.
 
+mod changes;
 mod compact;
 mod consolidate;
 mod context;
@@ -12,6 +13,7 @@ mod strain;
 
 use serde::{Deserialize, Serialize};
 
+pub(super) use changes::Changes;
 pub(super) use context::{Context, Progress};
 
 use super::clock::Clock;
@@ -103,26 +105,37 @@ impl Active {
     }
 
     /// Tells mechanics that were made anew what this stage has changed, and the
-    /// stage what the plan now allows it.
-    pub fn restore(&mut self, coupled: &mut Coupled, plan: &Plan, stage: &Stage) -> Result<()> {
+    /// stage what the plan, in which it began at this step and time, now says of it.
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &Plan,
+        stage: &Stage,
+        changes: &Changes,
+        (start, clock): ((u64, f64), &Clock),
+    ) -> Result<()> {
         let mechanics = plan.mechanics(stage).unwrap_or_default();
         coupled.controls().set_damping(mechanics.options.damping)?;
         match (self, &stage.kind) {
             (Active::Compact(state), StageKind::Compact(stage)) => {
-                state.allow(stage.max_steps);
-                state.restore(coupled, &mechanics)
+                state.restore(coupled, stage, plan, &mechanics)?;
+                if changes.any() {
+                    state.refresh_time_step();
+                }
+                Ok(())
             }
             (Active::Cycle(state), StageKind::Cycle(stage)) => {
-                state.allow(stage.max_steps);
+                state.restore(coupled, stage, changes)
+            }
+            (Active::Permeability(state), StageKind::Permeability(stage)) => {
+                *state = permeability::State::start(stage);
                 Ok(())
             }
             (Active::Consolidate(state), StageKind::Consolidate(stage)) => {
-                state.allow(stage.max_steps);
-                Ok(())
+                state.restore(coupled, stage, changes, clock)
             }
             (Active::Run(state), StageKind::Run(stage)) => {
-                state.allow(&stage.until);
-                state.restore(coupled, plan)
+                state.restore(coupled, stage, plan, changes, (start, clock))
             }
             _ => Ok(()),
         }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
 use super::strain::logarithmic_strain;
@@ -15,13 +16,15 @@ use crate::{Aabb, Result, WallId};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     end: End,
-    friction_angle: Option<f64>,
     reference: Aabb,
     steps: u64,
     start_time: f64,
     /// Share of the stage that is done, where the strain ends it.
     strained: f64,
     samples: Vec<StressPathSample>,
+    /// How many of them there are beyond the share that is done: a restart may have made the
+    /// stage longer.
+    ahead: u64,
     servos: ServoWatch,
 }
 
@@ -35,6 +38,19 @@ enum End {
     Strain { goal: f64, axis: usize, max_steps: u64 },
 }
 
+impl End {
+    /// The end of a stage that began at this step and time (s).
+    fn of(until: Until, (step, time): (u64, f64)) -> End {
+        match until {
+            Until::Steps(steps) => End::Step(step, step + steps),
+            Until::Time(length) => End::Time(time, time + length),
+            Until::Strain { strain, axis, max_steps } => {
+                End::Strain { goal: strain, axis: axis.index(), max_steps }
+            }
+        }
+    }
+}
+
 impl State {
     pub fn start(plan: &scene::Run, context: &mut Context) -> Result<State> {
         for (wall, control) in plan.walls.iter() {
@@ -45,38 +61,43 @@ impl State {
         }
         let clock = &context.clock;
         let state = State {
-            end: match plan.until {
-                Until::Steps(steps) => End::Step(clock.step, clock.step + steps),
-                Until::Time(time) => End::Time(clock.time, clock.time + time),
-                Until::Strain { strain, axis, max_steps } => {
-                    End::Strain { goal: strain, axis: axis.index(), max_steps }
-                }
-            },
-            friction_angle: plan.friction_angle,
+            end: End::of(plan.until, (clock.step, clock.time)),
             reference: context.coupled.dem().box_(),
             steps: 0,
             start_time: clock.time,
             strained: 0.0,
             samples: vec![],
+            ahead: 0,
             servos: ServoWatch::default(),
         };
-        state.restore(context.coupled, context.plan)?;
+        set_friction(context.coupled, plan, context.plan)?;
         Ok(state)
     }
 
-    pub fn restore(&self, coupled: &mut Coupled, plan: &Plan) -> Result<()> {
-        Ok(coupled
-            .controls()
-            .set_friction(self.friction_angle.unwrap_or(plan.particles.material.friction_angle))?)
-    }
-
-    /// Changes how many steps the stage may take to reach its strain.
-    pub fn allow(&mut self, until: &Until) {
-        if let (End::Strain { max_steps, .. }, Until::Strain { max_steps: allowed, .. }) =
-            (&mut self.end, until)
-        {
-            *max_steps = *allowed;
+    /// `start` has step and time at which the stage began.
+    pub fn restore(
+        &mut self,
+        coupled: &mut Coupled,
+        plan: &scene::Run,
+        scene: &Plan,
+        changes: &Changes,
+        (start, clock): ((u64, f64), &Clock),
+    ) -> Result<()> {
+        set_friction(coupled, plan, scene)?;
+        for (wall, control) in plan.walls.iter().filter(|(wall, _)| changes.of_wall(*wall)) {
+            coupled.controls().set_control(wall, *control)?;
         }
+        self.end = End::of(plan.until, start);
+        let end = ["steps", "time", "until"].iter().any(|key| changes.in_stage(key));
+        if end {
+            self.look_at_strain(&coupled.dem().box_());
+            let share = (self.progress(clock) * SAMPLES) as u64;
+            self.ahead = (self.samples.len() as u64).saturating_sub(share);
+        }
+        if end || changes.in_stage("walls") {
+            self.servos = ServoWatch::default();
+        }
+        Ok(())
     }
 
     fn sample(&self, context: &Context) -> StressPathSample {
@@ -107,7 +128,8 @@ impl State {
             self.steps += 1;
             let over = self.is_over(context)?;
             self.servos.look(context, self.progress(context.clock));
-            if over || self.progress(context.clock) * SAMPLES >= self.samples.len() as f64 {
+            let share = self.samples.len() as u64 - self.ahead;
+            if over || self.progress(context.clock) * SAMPLES >= share as f64 {
                 self.samples.push(self.sample(context));
             }
             if !over {
@@ -125,6 +147,14 @@ impl State {
         })))
     }
 
+    /// Strain of the box where one ends the stage, else 0.
+    fn look_at_strain(&mut self, now: &Aabb) -> f64 {
+        let End::Strain { goal, axis, .. } = self.end else { return 0.0 };
+        let strain = logarithmic_strain(&self.reference, now)[axis];
+        self.strained = (strain / goal).clamp(0.0, 1.0);
+        strain
+    }
+
     fn is_over(&mut self, context: &Context) -> Result<bool> {
         match self.end {
             End::Step(_, to) => Ok(context.clock.step >= to),
@@ -133,9 +163,8 @@ impl State {
             End::Time(_, to) => {
                 Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
             }
-            End::Strain { goal, axis, max_steps } => {
-                let now = logarithmic_strain(&self.reference, &context.coupled.dem().box_())[axis];
-                self.strained = (now / goal).clamp(0.0, 1.0);
+            End::Strain { goal, max_steps, .. } => {
+                let now = self.look_at_strain(&context.coupled.dem().box_());
                 if now / goal < 1.0 && self.steps >= max_steps {
                     return Err(StageError::StrainNotReached {
                         steps: self.steps,
@@ -148,4 +177,10 @@ impl State {
             }
         }
     }
+}
+
+/// Friction of the stage, else that of the scene's spheres.
+fn set_friction(coupled: &mut Coupled, plan: &scene::Run, scene: &Plan) -> Result<()> {
+    let angle = plan.friction_angle.unwrap_or(scene.particles.material.friction_angle);
+    Ok(coupled.controls().set_friction(angle)?)
 }
