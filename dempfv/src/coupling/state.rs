@@ -77,9 +77,19 @@ impl CoupledState {
 
     /// Gives the spheres another density (kg/m³): their masses follow, their velocities stay.
     pub(crate) fn set_density(&mut self, density: f64) {
-        let before = std::mem::replace(&mut self.parameters.material.density, density);
-        if density != before {
-            self.dem.particles.mass.iter_mut().for_each(|mass| *mass *= density / before);
+        let factors: Vec<f64> = self
+            .parameters
+            .materials
+            .iter_mut()
+            .map(|material| density / std::mem::replace(&mut material.density, density))
+            .collect();
+        let particles = &mut self.dem.particles;
+        for (i, mass) in particles.mass.iter_mut().enumerate() {
+            let material = particles.material.get(i).copied().unwrap_or(0);
+            match factors[usize::from(material)] {
+                1.0 => {}
+                factor => *mass *= factor,
+            }
         }
     }
 

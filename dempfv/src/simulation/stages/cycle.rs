@@ -41,7 +41,7 @@ impl State {
             holds: 0,
             unbalanced: 0.0,
             tolerance: 0.0,
-            max_velocity: 0.0,
+            max_velocity: None,
             max_steps: 0,
             steps: 0,
             reference: context.coupled.dem().box_(),
