@@ -12,6 +12,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use dempfv::io::checkpoint;
+use dempfv::Result;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::{Simulation, SimulationState};
 use dempfv::{Error, Result};
@@ -127,13 +128,15 @@ impl Session {
         let mut kept = (simulation.state(), Instant::now());
         self.begin_stage(simulation);
         while simulation.stage().is_some() && !stop(simulation) {
-            let done = simulation.outcomes().len();
+            let (step, done) = (simulation.step(), simulation.outcomes().len());
             if let Err(error) = simulation.advance() {
                 let state = match error.spoils_state() {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
-                        self.keep_on_failure(simulation, |s, now| s.recorder.after_step(now))?;
+                        if simulation.step() > step {
+                            self.keep_on_failure(simulation, |s, now| s.recorder.after_step(now))?;
+                        }
                         simulation.state()
                     }
                 };
@@ -144,9 +147,14 @@ impl Session {
             self.keep_on_failure(simulation, |session, now| {
                 session.recorder.after_step(now)?;
                 session.draw_section(now)?;
-                if finished_stage { session.end_stage(now) } else { Ok(()) }
+                if finished_stage {
+                    session.draw_stage(now)?;
+                }
+                session.recorder.checkpoint(now)
             })?;
-            if !finished_stage {
+            if finished_stage {
+                self.end_stage(simulation);
+            } else {
                 self.progress.update(simulation.step(), simulation.stage_progress(), || {
                     value_of_interest(simulation)
                 });
@@ -159,20 +167,26 @@ impl Session {
     }
 
     /// Keeps a state to go on from, beside a failure: nothing is lost on top of it if this one
-    /// fails too.
+    /// fails too. A checkpoint that is there stays where the rows before the state cannot be
+    /// written: a restart from the state would leave them out.
     fn keep(&mut self, state: &SimulationState) {
-        let _ = self.recorder.flush();
-        let _ = checkpoint::save(&self.folder.join(CHECKPOINT), state);
+        let path = self.folder.join(CHECKPOINT);
+        if self.recorder.flush().is_ok() || !path.exists() {
+            let _ = checkpoint::save(&path, state);
+        }
     }
 
-    /// Writes results; a failure leaves a checkpoint behind.
+    /// Writes results; a failure leaves a checkpoint behind. One that comes after these results is
+    /// left only where a second attempt writes them, or there is no other.
     fn keep_on_failure(
         &mut self,
         simulation: &mut Simulation,
-        write: impl FnOnce(&mut Session, &mut Simulation) -> Result<()>,
+        write: impl Fn(&mut Session, &mut Simulation) -> Result<()>,
     ) -> Result<()> {
         let written = write(self, simulation);
-        if written.is_err() {
+        if written.is_err()
+            && (write(self, simulation).is_ok() || !self.folder.join(CHECKPOINT).exists())
+        {
             self.keep(&simulation.state());
         }
         written
@@ -189,19 +203,15 @@ impl Session {
         if !simulation.plan().output.pictures || c.profiles.len() == self.profiles_seen {
             return Ok(());
         }
-        let before = std::mem::replace(&mut self.profiles_seen, c.profiles.len());
+        let before = self.profiles_seen;
         let chosen = plan
             .profiles
             .iter()
             .position(|&t| t >= 0.1)
             .unwrap_or(plan.profiles.len().saturating_sub(1));
-        match c.profiles.get(chosen) {
-            Some(profile) if chosen >= before => pictures::section(
-                &self.folder,
-                simulation,
-                &format!("at *T*_{{v}} = {:.2}", profile.time_factor),
-            ),
-            _ => Ok(()),
+        if let Some(profile) = c.profiles.get(chosen).filter(|_| chosen >= before) {
+            let when = format!("at *T*_{{v}} = {:.2}", profile.time_factor);
+            pictures::section(&self.folder, simulation, &when)?;
         }
     }
 
@@ -212,16 +222,21 @@ impl Session {
         }
     }
 
-    fn end_stage(&mut self, simulation: &Simulation) -> Result<()> {
+    fn draw_stage(&self, simulation: &Simulation) -> Result<()> {
+        match simulation.outcomes().last().filter(|_| simulation.plan().output.pictures) {
+            Some(outcome) => pictures::of_stage(&self.folder, simulation, outcome),
+            None => Ok(()),
+        }
+    }
+
+    fn end_stage(&mut self, simulation: &Simulation) {
         self.profiles_seen = 0;
+        self.profiles_seen = c.profiles.len();
+        Ok(())
         if let Some(outcome) = simulation.outcomes().last() {
             self.progress.end(simulation.step(), &summary::headline(&outcome.outcome));
-            if simulation.plan().output.pictures {
-                pictures::of_stage(&self.folder, simulation, outcome)?;
-            }
         }
         self.begin_stage(simulation);
-        Ok(())
     }
 
     /// Writes what there is: history, summary, and a checkpoint unless all is
@@ -249,13 +264,10 @@ impl Session {
             status,
             &self.folder,
         );
-        self.keep_on_failure(&mut simulation, |s, _| {
-            json::write(&s.folder.join(SUMMARY), &report)
-        })?;
-        match ended {
-            Ok(()) => Ok(report),
-            Err(Error::Input(error)) => Err(Error::Input(error)),
-            Err(error) => Err(error),
+        // Not tried a second time: a summary would say that the run is done.
+        if let Err(error) = json::write(&self.folder.join(SUMMARY), &report) {
+            self.keep(&simulation.state());
+            return Err(error);
         }
     }
 }
@@ -269,6 +281,7 @@ fn value_of_interest(simulation: &Simulation) -> String {
             format!(
                 "σ {}  unbalanced {:.1e}",
                 si(coupled.wall_stress(c.wall), "Pa"),
+        ended.map(|()| report)
                 coupled.unbalanced_force()
             )
         }
