@@ -7,15 +7,15 @@ mod remesh;
 mod results;
 mod summary;
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use dempfv::io::checkpoint;
 use dempfv::Result;
+use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
-use dempfv::simulation::{Simulation, SimulationState};
-use dempfv::{Error, Result};
+use dempfv::simulation::{Simulation, SimulationState, Specimen};
 use dempfv_report::format::si;
 use dempfv_report::json;
 use dempfv_report::output::{OutputArgs, lock_folder, make_folder};
@@ -23,7 +23,7 @@ use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
 pub use self::summary::Report;
-use super::Context;
+use super::{Context, memory};
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -54,6 +54,8 @@ pub struct Args {
 /// the simulation cannot go on, after its checkpoint and results were kept.
 pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let plan = Plan::load(&args.scene)?;
+    // A packing file has no more spheres than fit; a cloud has as many as the scene says.
+    Specimen::of_cloud(&plan).map(|cloud| memory::check(&plan, &cloud)).transpose()?;
     let folder = folder(args)?;
     let interrupted = context.interruption()?;
     let restarted_at =
@@ -63,6 +65,12 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         Some(state) => Simulation::restart(plan, state)?,
         None => Simulation::new(plan)?,
     };
+    let radii = &simulation.coupled().dem().storage().radius;
+    let tight = memory::check(simulation.plan(), &Specimen::of_radii(radii))?;
+    if let Some(warning) = &tight {
+        // A closed stderr must not end the work.
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
     make_folder(&folder)?;
     let _lock = lock_folder(&folder)?;
     if args.restart.is_none() {
@@ -76,6 +84,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         start: Instant::now(),
         first: simulation.step(),
         profiles_seen: simulation.consolidation().map_or(0, |c| c.profiles.len()),
+        tight,
     };
     let last = args.steps.map(|n| simulation.step() + n);
     let stop = |s: &Simulation| {
@@ -115,6 +124,8 @@ struct Session {
     first: u64,
     /// Pressure profiles that the current consolidation had at the last look.
     profiles_seen: usize,
+    /// What was said of the memory before the run began.
+    tight: Option<String>,
 }
 
 impl Session {
@@ -213,6 +224,8 @@ impl Session {
             let when = format!("at *T*_{{v}} = {:.2}", profile.time_factor);
             pictures::section(&self.folder, simulation, &when)?;
         }
+        self.profiles_seen = c.profiles.len();
+        Ok(())
     }
 
     fn begin_stage(&mut self, simulation: &Simulation) {
@@ -231,8 +244,6 @@ impl Session {
 
     fn end_stage(&mut self, simulation: &Simulation) {
         self.profiles_seen = 0;
-        self.profiles_seen = c.profiles.len();
-        Ok(())
         if let Some(outcome) = simulation.outcomes().last() {
             self.progress.end(simulation.step(), &summary::headline(&outcome.outcome));
         }
@@ -254,7 +265,8 @@ impl Session {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }
         let error = ended.as_ref().err().map(|e| e.to_string());
-        let status = summary::Status { finished, interrupted, error };
+        let tight = self.tight.take();
+        let status = summary::Status { finished, interrupted, error, tight };
         let steps = simulation.step() - self.first;
         let report = Report::new(
             &simulation,
@@ -269,6 +281,7 @@ impl Session {
             self.keep(&simulation.state());
             return Err(error);
         }
+        ended.map(|()| report)
     }
 }
 
@@ -281,7 +294,6 @@ fn value_of_interest(simulation: &Simulation) -> String {
             format!(
                 "σ {}  unbalanced {:.1e}",
                 si(coupled.wall_stress(c.wall), "Pa"),
-        ended.map(|()| report)
                 coupled.unbalanced_force()
             )
         }
