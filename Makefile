@@ -32,7 +32,7 @@ BUNDLE := out/bundle
 WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
-.PHONY: help build demo test lint vtk-test demo-test docs-test package-test memcheck racecheck \
+.PHONY: help build demo test lint torture fuzz vtk-test demo-test docs-test package-test memcheck racecheck \
 	compare compare-test compare-yade yade-test paper every-step cuda cuda-test bundle bench install-packages \
 	install-test-packages install-yade install-memcheck-packages install-peers
 
@@ -58,6 +58,18 @@ lint: install-packages
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+# How much of each: `make torture DEMPFV_KILLS=1000 DEMPFV_SEED=7`, `make fuzz DEMPFV_INPUTS=10000000`.
+TORTURE := DEMPFV_KILLS=200 DEMPFV_CHAINS=40 DEMPFV_SIGNALS=20 DEMPFV_CUTS=200 DEMPFV_FLIPS=2000 \
+	DEMPFV_DISK_STRIDE=1 DEMPFV_ALLOCATIONS=400
+
+torture: install-packages ## Kill runs, fill disks, starve memory, feed hostile input; nothing may be lost (a quarter of an hour)
+	env $(TORTURE) $(MAKEOVERRIDES) cargo test --locked --test torture -- --nocapture --test-threads=1
+	env DEMPFV_INPUTS=100000 $(MAKEOVERRIDES) cargo test --locked -p dempfv --test fuzz -- --nocapture
+	env DEMPFV_PROPERTIES=2000 $(MAKEOVERRIDES) cargo test --locked -p dempfv --test properties
+
+fuzz: install-packages ## A million hostile inputs through the readers and on to results (minutes)
+	env DEMPFV_INPUTS=1000000 $(MAKEOVERRIDES) cargo test --locked -p dempfv --test fuzz -- --nocapture
 
 # What `make demo` promises: the curve against Terzaghi, and files that VTK reads.
 demo-test: demo install-test-packages

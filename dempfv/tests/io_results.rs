@@ -109,6 +109,8 @@ fn a_collection_drops_the_frames_after_a_restart() {
     assert_eq!(frames.len(), 3);
     frames.push(0.1 * 3.0, "a&b-3.vtu").unwrap();
     frames.push(0.1 * 4.0, "a&b-4.vtu").unwrap();
+    // The collection could not be written, say, and is once more.
+    frames.push(0.1 * 4.0, "a&b-4.vtu").unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), whole);
     fs::write(&path, whole.replace("timestep", "time")).unwrap();
     let error = Collection::resume(&path, 0.2).unwrap_err();

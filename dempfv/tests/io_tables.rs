@@ -224,6 +224,7 @@ fn a_restart_continues_the_history_after_the_checkpoint() {
     // A run that died while it wrote, beyond the checkpoint at step 6.
     fs::write(&path, format!("{whole}1.0,1")).unwrap();
     let mut history = History::resume(&path, &columns, "step", 6).unwrap();
+    assert_eq!(history.last_step(), Some(6));
     (7..10).for_each(|i| history.row(&row(i)).unwrap());
     history.flush().unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), whole);

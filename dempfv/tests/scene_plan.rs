@@ -67,6 +67,7 @@ const MISTAKES: &[Mistake] = &[
     (|p| p.stages.clear(), "the plan has no stage"),
     (|p| p.bounds = None, "`cloud` in [particles] needs a box"),
     (|p| p.bounds.as_mut().unwrap().max.y = 0.0, "`max` in [box] has y = 0"),
+    (|p| p.bounds.as_mut().unwrap().max.y = 5e-324, "`max` in [box] has a volume of 5e-324 m³"),
     (|p| p.bounds.as_mut().unwrap().min.x = f64::NAN, "`max` in [box] or `min` is not finite"),
     (|p| p.particles.material.density = 0.0, "`density` in [particles] is 0"),
     (|p| p.particles.material.young = f64::NAN, "`young` in [particles] is NaN"),

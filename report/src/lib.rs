@@ -6,13 +6,15 @@
 //! - [`format`](mod@format): quantities as people read them;
 //! - [`progress`]: a line on the terminal while work goes on;
 //! - [`json`], [`output`]: where results go;
-//! - [`machine`], [`versions`]: what a measurement depends on.
+//! - [`machine`], [`versions`]: what a measurement depends on;
+//! - [`memory`]: how much there is for a run.
 #![warn(missing_docs)]
 
 pub mod format;
 pub mod json;
 pub mod machine;
 pub mod markdown;
+pub mod memory;
 pub mod output;
 pub mod plot;
 pub mod progress;

@@ -11,9 +11,10 @@ use dempfv::simulation::Stability;
 use dempfv::simulation::{Estimate, Specimen};
 use dempfv::{Aabb, Error};
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
+use dempfv_report::memory::room;
 use serde::Serialize;
 
-use super::describe;
+use super::{describe, memory};
 
 /// The pores of packings of up to so many spheres are counted.
 const COUNTED: usize = 50_000;
@@ -74,6 +75,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
     let (specimen, bounds, stability) = specimen(&plan)?;
     let estimate = Estimate::of(&plan, &specimen);
+    let tight = room().and_then(|room| memory::tight(estimate.memory, room));
     let stages = plan
         .stages
         .iter()
@@ -95,7 +97,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         bounds,
         ms_per_step: estimate.ms_per_step(),
         memory_bytes: estimate.memory,
-        warnings: estimate.warnings(),
+        warnings: estimate.warnings().into_iter().chain(tight).collect(),
         estimate,
         stability,
         plan,

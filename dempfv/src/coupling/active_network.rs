@@ -60,6 +60,13 @@ impl ActiveNetwork {
         let ActiveNetwork { flow, state, iterations, .. } = self;
         phases
             .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
+        // Before the pressures: where this fails, the step has not begun to change them.
+        for wall in WallId::ALL {
+            let known = &mut state.resistance[wall];
+            if motion.servo[wall.index()] && known.is_none() {
+                *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
+            }
+        }
         if motion.geometry.is_some() {
             let tolerance = flow.tolerance();
             let solve = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
@@ -67,12 +74,6 @@ impl ActiveNetwork {
             *iterations = Some(solve);
         } else {
             phases.time(Phase::Solve, || flow.update_pressure())?;
-        }
-        for wall in WallId::ALL {
-            let known = &mut state.resistance[wall];
-            if motion.servo[wall.index()] && known.is_none() {
-                *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
-            }
         }
         phases.time(Phase::FluidForces, || flow.update_force());
         for (change, rate) in state.volume_change.iter_mut().zip(flow.volume_rate()) {

@@ -339,7 +339,7 @@ impl Coupled {
     /// Steps since the positions that the current network was built from.
     pub fn network_age(&self) -> u64 {
         let built_at = self.remesher.current.as_ref().map(|network| network.state.snapshot.step);
-        built_at.map_or(0, |step| self.steps - step)
+        built_at.map_or(0, |step| self.steps.saturating_sub(step))
     }
 
     /// Networks that came into use so far.

@@ -350,7 +350,7 @@ impl Remesher {
         if let Some(Retired { pressures, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
-            self.counts.replaced(context.step - state.snapshot.step);
+            self.counts.replaced(context.step.saturating_sub(state.snapshot.step));
         }
         let volume_change = match context.saturation.remesh.strain {
             None => vec![],

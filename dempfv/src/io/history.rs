@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::input::InputError;
 use crate::io::IoError;
+use crate::io::atomic;
 use crate::io::error::Result;
 
 /// Rows reach the file at least this often (and when the table is dropped).
@@ -65,7 +66,10 @@ pub struct History {
     path: PathBuf,
     columns: usize,
     pending: Vec<u8>,
+    /// Bytes of whole rows in the file.
+    written: u64,
     flushed: Instant,
+    last_step: Option<u64>,
 }
 
 impl History {
@@ -75,11 +79,12 @@ impl History {
     /// # Errors
     /// [`IoError::File`] when the file cannot be written.
     pub fn create(path: &Path, columns: &[&str]) -> Result<History> {
-        let file = File::create(path).map_err(|e| IoError::file(path, e))?;
-        let mut history = History::on(file, path, columns.len());
-        history.pending.extend_from_slice(&header(columns));
-        history.flush()?;
-        Ok(history)
+        let head = header(columns);
+        // Whoever is killed in between leaves no table without a header.
+        atomic::write(path, &head)?;
+        let file = OpenOptions::new().append(true).open(path);
+        let file = file.map_err(|e| IoError::file(path, e))?;
+        Ok(History::on(file, path, columns.len(), Kept { bytes: head.len(), last_step: None }))
     }
 
     /// Goes on with the table of an earlier run: drops a torn last line and
@@ -104,17 +109,29 @@ impl History {
         };
         let mut text = Vec::new();
         file.read_to_end(&mut text).map_err(|e| IoError::file(path, e))?;
-        let keep =
-            length_up_to(&text, columns, step_column, last_step).map_err(|e| e.in_file(path))?;
-        file.set_len(keep as u64)
+        let kept =
+            rows_up_to(&text, columns, step_column, last_step).map_err(|e| e.in_file(path))?;
+        file.set_len(kept.bytes as u64)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .map_err(|e| IoError::file(path, e))?;
-        Ok(History::on(file, path, columns.len()))
+        Ok(History::on(file, path, columns.len(), kept))
     }
 
-    fn on(file: File, path: &Path, columns: usize) -> History {
-        let path = path.to_owned();
-        History { file, path, columns, pending: Vec::new(), flushed: Instant::now() }
+    fn on(file: File, path: &Path, columns: usize, kept: Kept) -> History {
+        History {
+            file,
+            path: path.to_owned(),
+            columns,
+            pending: Vec::new(),
+            written: kept.bytes as u64,
+            flushed: Instant::now(),
+            last_step: kept.last_step,
+        }
+    }
+
+    /// Step of the last row that an earlier run has left; `None` where it left none.
+    pub fn last_step(&self) -> Option<u64> {
+        self.last_step
     }
 
     /// Appends a row. It reaches the file within a second of the rows after
@@ -145,12 +162,18 @@ impl History {
     /// Hands all rows so far to the system.
     ///
     /// # Errors
-    /// [`IoError::File`] when the file cannot be written.
+    /// [`IoError::File`] when the file cannot be written; the rows are kept for the next time.
     pub fn flush(&mut self) -> Result<()> {
-        let written = self.file.write_all(&self.pending);
-        self.pending.clear();
         self.flushed = Instant::now();
-        written.map_err(|e| IoError::file(&self.path, e))
+        if let Err(e) = self.file.write_all(&self.pending) {
+            // Readers meet whole rows only.
+            let _ = self.file.set_len(self.written);
+            let _ = self.file.seek(SeekFrom::End(0));
+            return Err(IoError::file(&self.path, e));
+        }
+        self.written += self.pending.len() as u64;
+        self.pending.clear();
+        Ok(())
     }
 }
 
@@ -180,13 +203,19 @@ fn header(columns: &[&str]) -> Vec<u8> {
     line
 }
 
-/// Bytes of the table that rows up to `last_step` take.
-fn length_up_to(
+/// What a table of an earlier run has that stays.
+struct Kept {
+    bytes: usize,
+    last_step: Option<u64>,
+}
+
+/// The rows of a table up to `last_step`.
+fn rows_up_to(
     text: &[u8],
     columns: &[&str],
     step_column: &str,
     last_step: u64,
-) -> Result<usize, InputError> {
+) -> Result<Kept, InputError> {
     let head = header(columns);
     if !text.starts_with(&head) {
         return Err(InputError::new(
@@ -199,8 +228,8 @@ fn length_up_to(
         .iter()
         .position(|&c| c == step_column)
         .ok_or_else(|| InputError::new(format!("the table has no column `{step_column}`"), ""))?;
-    let mut keep = head.len();
-    for (i, line) in text[keep..].split_inclusive(|&b| b == b'\n').enumerate() {
+    let mut kept = Kept { bytes: head.len(), last_step: None };
+    for (i, line) in text[kept.bytes..].split_inclusive(|&b| b == b'\n').enumerate() {
         if !line.ends_with(b"\n") {
             break;
         }
@@ -213,7 +242,8 @@ fn length_up_to(
         if step > last_step {
             break;
         }
-        keep += line.len();
+        kept.bytes += line.len();
+        kept.last_step = Some(step);
     }
-    Ok(keep)
+    Ok(kept)
 }

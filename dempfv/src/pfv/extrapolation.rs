@@ -21,6 +21,14 @@ pub struct Extrapolation {
     age: u32,
 }
 
+/// What a prediction has taken the place of.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Replaced {
+    oldest: Vec<f64>,
+    gain: Option<f64>,
+    age: u32,
+}
+
 /// After so many solves, what a correction leaves is looked up again.
 const SOLVES_PER_GAIN: u32 = 50;
 
@@ -43,27 +51,53 @@ impl Extrapolation {
         self.known = 0;
     }
 
-    /// Puts a prediction in the place of the last pressures, and of those of their pores.
-    pub(super) fn predict(&mut self, pore_of: &[u32], pressure: &mut [f64]) {
-        let [last, one_more] = &mut self.before;
+    /// Puts a prediction in the place of the last pressures, and of those of their pores. What it
+    /// takes the place of is in `replaced` until the prediction is a solution.
+    pub(super) fn predict(
+        &mut self,
+        replaced: &mut Replaced,
+        pore_of: &[u32],
+        pressure: &mut [f64],
+    ) {
+        let Extrapolation { now, before: [last, one_more], .. } = self;
         let known = self.known;
-        let part = |[now, last, one_more]: [&mut [f64]; 3], pores: &[u32], out: &mut [f64]| {
-            let history = now.iter_mut().zip(last.iter_mut().zip(one_more));
-            match known {
-                0 => {}
-                1 => history.for_each(|(now, (last, _))| *last = *now),
-                2 => history.for_each(|(now, (last, one_more))| {
-                    let next = 2.0 * *now - *last;
-                    (*one_more, *last, *now) = (*last, *now, next);
-                }),
-                _ => history.for_each(|(now, (last, one_more))| {
-                    let next = 3.0 * (*now - *last) + *one_more;
-                    (*one_more, *last, *now) = (*last, *now, next);
-                }),
-            }
-            spread(now, pores, out);
-        };
-        with_pores(pore_of, [&mut self.now, last, one_more], pressure, &part, &|(), ()| ());
+        replaced.oldest.resize(now.len(), 0.0);
+        let part =
+            |[now, last, one_more, next]: [&mut [f64]; 4], pores: &[u32], out: &mut [f64]| {
+                let history = now.iter().zip(last.iter().zip(&*one_more));
+                let predicted = next.iter_mut().zip(history);
+                match known {
+                    0 | 1 => predicted.for_each(|(next, (now, _))| *next = *now),
+                    2 => predicted.for_each(|(next, (now, (last, _)))| *next = 2.0 * *now - *last),
+                    _ => predicted.for_each(|(next, (now, (last, one_more)))| {
+                        *next = 3.0 * (*now - *last) + *one_more;
+                    }),
+                }
+                spread(next, pores, out);
+            };
+        let all = [&mut now[..], last, one_more, &mut replaced.oldest];
+        with_pores(pore_of, all, pressure, &part, &|(), ()| ());
+        std::mem::swap(one_more, &mut replaced.oldest);
+        std::mem::swap(last, one_more);
+        std::mem::swap(now, last);
+        (replaced.gain, replaced.age) = (self.gain, self.age);
+    }
+
+    /// Takes a prediction back that has not become a solution.
+    pub(super) fn take_back(
+        &mut self,
+        replaced: &mut Replaced,
+        pore_of: &[u32],
+        pressure: &mut [f64],
+    ) {
+        let Extrapolation { now, before: [last, one_more], .. } = self;
+        std::mem::swap(now, last);
+        std::mem::swap(last, one_more);
+        std::mem::swap(one_more, &mut replaced.oldest);
+        (self.gain, self.age) = (replaced.gain, replaced.age);
+        for (p, &pore) in self.now.iter().zip(pore_of) {
+            pressure[pore as usize] = *p;
+        }
     }
 
     /// Adds a correction to the prediction, and to the pressures of the pores.
@@ -151,12 +185,33 @@ mod tests {
     #[test]
     fn a_parabola_is_predicted() {
         let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(1), [0.0]);
+        let mut replaced = Replaced::default();
         let p = |t: f64| 1.0 + 2.0 * t + 3.0 * t * t;
         for (t, next) in [(0.0, p(0.0)), (1.0, 11.0), (2.0, p(3.0))] {
             extrapolation.now[0] = p(t);
             extrapolation.solved();
-            extrapolation.predict(&[0], &mut pressure);
+            extrapolation.predict(&mut replaced, &[0], &mut pressure);
             assert_eq!((extrapolation.now[0], pressure[0]), (next, next));
+        }
+    }
+
+    /// After any number of solves: a prediction that is corrected and taken back leaves what was
+    /// there, to the bit.
+    #[test]
+    fn a_failed_solve_is_taken_back() {
+        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(2), [0.0; 2]);
+        let mut replaced = Replaced::default();
+        for solve in 0..6 {
+            let (before, pressures) = (extrapolation.clone(), pressure);
+            extrapolation.predict(&mut replaced, &[0, 1], &mut pressure);
+            extrapolation.correct(&mut [1.0, -3.0], &[0, 1], &mut pressure);
+            extrapolation.observe_gain(0.1, 1.0);
+            extrapolation.take_back(&mut replaced, &[0, 1], &mut pressure);
+            assert_eq!((&extrapolation, pressure), (&before, pressures), "solve {solve}");
+            extrapolation.predict(&mut replaced, &[0, 1], &mut pressure);
+            let correction = f64::from(solve * solve) + 0.1;
+            extrapolation.correct(&mut [correction; 2], &[0, 1], &mut pressure);
+            extrapolation.solved();
         }
     }
 
@@ -172,7 +227,7 @@ mod tests {
                 (0..unknowns).map(|u| ((u * 7919) % 1009) as f64 - 504.0).collect();
             let start = |u: usize| (u % 10) as f64;
             extrapolation.now.iter_mut().enumerate().for_each(|(u, p)| *p = start(u));
-            extrapolation.predict(&pore_of, &mut pressure);
+            extrapolation.predict(&mut Replaced::default(), &pore_of, &mut pressure);
             for (u, &pore) in pore_of.iter().enumerate() {
                 assert_eq!(pressure[pore as usize], start(u));
             }

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use super::extrapolation::{Extrapolation, Sizes};
+use super::extrapolation::{Extrapolation, Replaced, Sizes};
 use super::geometry_update::WeakenedThroat;
 use super::operators::NetVolumeRate;
 use super::{Operators, PfvError, PoreConditions};
@@ -34,6 +34,8 @@ pub(super) struct PressureSolver {
     gradients: ConjugateGradients,
     /// A vector over all pores, 0 where the pressure is imposed.
     scattered: Vec<f64>,
+    /// What goes back into its place where a solve fails.
+    replaced: Replaced,
 }
 
 /// How the solves went.
@@ -73,6 +75,7 @@ impl PressureSolver {
             flux: vec![0.0; operators.conditions().sets()],
             gradients: ConjugateGradients::default(),
             scattered: vec![],
+            replaced: Replaced::default(),
         }
     }
 
@@ -89,7 +92,7 @@ impl PressureSolver {
     pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
         self.statistics.solved = false;
         let PressureProblem { operators, demand, extrapolation, pressure } = problem;
-        extrapolation.predict(&operators.pore_of, pressure);
+        extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
         let net_rate = NetVolumeRate::of(demand);
         let gain_is_due = extrapolation.gain_is_due();
         let Some(factor) = self.factor.as_deref_mut() else {
@@ -116,8 +119,17 @@ impl PressureSolver {
             largest: 0.0,
             error: 0.0,
         };
-        let settled = refine(&mut refined, MAX_CORRECTIONS)?;
+        let settled = refine(&mut refined, MAX_CORRECTIONS);
         let RefinedPressures { problem, largest, error, statistics, tolerance, .. } = refined;
+        let settled = match settled {
+            Ok(settled) => settled,
+            Err(error) => {
+                // Whoever solves again, as after a restart, starts from what was known before.
+                let PressureProblem { operators, extrapolation, pressure, .. } = problem;
+                extrapolation.take_back(&mut self.replaced, &operators.pore_of, pressure);
+                return Err(error.into());
+            }
+        };
         if !settled {
             let left = (error / largest).max(statistics.imbalance);
             statistics.unmet = Some(left).filter(|&left| left > tolerance);
@@ -143,14 +155,17 @@ impl PressureSolver {
         let PressureProblem { operators, demand, extrapolation, pressure } = problem;
         let mut went = Iterations::default();
         if let Some(factor) = self.factor.as_deref_mut() {
-            extrapolation.predict(&operators.pore_of, pressure);
+            extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
             self.scattered.resize(pressure.len(), 0.0);
             operators.residual(pressure, demand, &mut self.rhs);
             let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
             let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
             let mut factor = AgedFactor { factor, weakened };
             let (x, residual) = (&mut extrapolation.now, &mut self.rhs);
-            went = self.gradients.solve(&mut matrix, &mut factor, x, residual, &goal)?;
+            let solved = self.gradients.solve(&mut matrix, &mut factor, x, residual, &goal);
+            went = solved.inspect_err(|_| {
+                extrapolation.take_back(&mut self.replaced, &operators.pore_of, pressure);
+            })?;
         }
         extrapolation.solved();
         operators.pressures(&extrapolation.now, pressure);

@@ -255,7 +255,11 @@ pub(super) fn box_wrong(bounds: &Aabb) -> Option<Wrong> {
     if !finite {
         return Some(Wrong::new("or `min` is not finite", "give finite numbers in m"));
     }
-    let axis = (0..3).find(|&a| min[a] >= max[a])?;
+    let Some(axis) = (0..3).find(|&a| min[a] >= max[a]) else {
+        let volume = bounds.volume();
+        let wrong = || Wrong::new(format!("has a volume of {volume:e} m³"), "give edges in metres");
+        return (!volume.is_normal()).then(wrong);
+    };
     Some(Wrong::new(
         format!("has {} = {}, not above {} of `min`", ["x", "y", "z"][axis], max[axis], min[axis]),
         "give a `max` above `min` on every axis",

@@ -183,7 +183,13 @@ fn read_sizes(value: &Value, table: &Table, bounds: &Aabb, count: u32) -> Result
         (Some(v), None, None) => {
             let porosity = v.number("", Bound::InsideUnit)?;
             let unit = Sizes::Uniform { mean: 1.0, spread };
-            Ok(unit.for_porosity(porosity, bounds.volume(), count))
+            let sizes = unit.for_porosity(porosity, bounds.volume(), count);
+            let smallest = sizes.smallest();
+            let wrong = || {
+                let problem = format!("leaves spheres of {smallest:e} m in radius");
+                Wrong::new(problem, "give another porosity, or a box in metres")
+            };
+            if smallest.is_normal() { Ok(sizes) } else { Err(v.wrong(wrong())) }
         }
         (None, Some(v), None) => Ok(Sizes::Uniform { mean: RADIUS.read(&v)?, spread }),
         (None, None, Some(v)) => match table.get("spread") {

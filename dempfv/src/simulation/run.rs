@@ -190,10 +190,12 @@ impl Simulation {
     pub fn advance(&mut self) -> Result<bool> {
         let step = self.clock.step;
         let advanced = self.try_advance();
-        // A step may be complete, and its stage the failure.
-        for (wall, [low, high]) in self.stress_extremes.iter_mut() {
-            let stress = self.coupled.wall_stress(wall);
-            (*low, *high) = (low.min(stress), high.max(stress));
+        // A step may be complete, and its stage the failure; one that failed has no stress.
+        if advanced.is_ok() || self.clock.step > step {
+            for (wall, [low, high]) in self.stress_extremes.iter_mut() {
+                let stress = self.coupled.wall_stress(wall);
+                (*low, *high) = (low.min(stress), high.max(stress));
+            }
         }
         advanced.map_err(|source| match source {
             Error::Input(input) => Error::Input(input),
@@ -420,6 +422,10 @@ fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
 /// Refuses a state that has come through other stages than the plan's.
 fn check_stages(plan: &Plan, state: &SimulationState) -> Result<(), InputError> {
     let remedy = "restart with the scene that the checkpoint was made with";
+    if state.stage_start.0 > state.clock.step {
+        let what = "the checkpoint's stage begins after its last step";
+        return Err(InputError::new(what, "take a checkpoint that this program wrote"));
+    }
     let begun = state.outcomes.len() + usize::from(state.active.is_some());
     if begun > plan.stages.len() {
         let what =

@@ -9,13 +9,13 @@ use std::sync::atomic::Ordering;
 use dempfv::dem::Dem;
 use dempfv::io::packing;
 use dempfv::scene::{Plan, StageKind, validate_packing};
-use dempfv::simulation::{Compaction, Outcome, Simulation};
+use dempfv::simulation::{Compaction, Outcome, Simulation, Specimen};
 use dempfv::{Error, InputError};
 use dempfv_report::format::{count, si, three_digits};
 use dempfv_report::output::{OutputArgs, make_folder};
 use serde::Serialize;
 
-use super::Context;
+use super::{Context, memory};
 
 /// File in the output folder that holds the packing.
 const FILE: &str = "packing.txt";
@@ -86,6 +86,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
     let name = args.input.clone().unwrap_or_else(|| PathBuf::from("packing"));
     let folder = args.output.folder(&name, FILE)?;
     let interrupted = context.interruption()?;
+    Specimen::of_cloud(&plan).map(|cloud| memory::check(&plan, &cloud)).transpose()?;
     let mut simulation = Simulation::new(plan)?;
     let mut progress = context.progress();
     progress.begin("compact", 0, false);

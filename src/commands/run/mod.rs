@@ -8,14 +8,15 @@ mod restart;
 mod results;
 mod summary;
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use dempfv::Result;
 use dempfv::io::checkpoint;
 use dempfv::scene::{Plan, StageKind};
-use dempfv::simulation::{Simulation, SimulationState};
-use dempfv::{Error, Result};
+use dempfv::simulation::{Simulation, SimulationState, Specimen};
 use dempfv_report::format::si;
 use dempfv_report::json;
 use dempfv_report::output::{OutputArgs, lock_folder, make_folder};
@@ -24,7 +25,7 @@ use dempfv_report::progress::Progress;
 use self::recorder::Recorder;
 use self::restart::Restart;
 pub use self::summary::Report;
-use super::Context;
+use super::{Context, memory};
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -55,6 +56,8 @@ pub struct Args {
 /// the simulation cannot go on, after its checkpoint and results were kept.
 pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let plan = Plan::load(&args.scene)?;
+    // A packing file has no more spheres than fit; a cloud has as many as the scene says.
+    Specimen::of_cloud(&plan).map(|cloud| memory::check(&plan, &cloud)).transpose()?;
     let folder = folder(args)?;
     let interrupted = context.interruption()?;
     let restarted_at =
@@ -64,6 +67,12 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         Some(state) => Simulation::restart(plan, state)?,
         None => Simulation::new(plan)?,
     };
+    let radii = &simulation.coupled().dem().storage().radius;
+    let tight = memory::check(simulation.plan(), &Specimen::of_radii(radii))?;
+    if let Some(warning) = &tight {
+        // A closed stderr must not end the work.
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
     make_folder(&folder)?;
     let _lock = lock_folder(&folder)?;
     if args.restart.is_none() {
@@ -80,6 +89,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
         start: Instant::now(),
         first: simulation.step(),
         profiles_seen: simulation.consolidation().map_or(0, |c| c.profiles.len()),
+        tight,
     };
     let last = args.steps.map(|n| simulation.step() + n);
     let stop = |s: &Simulation| {
@@ -120,6 +130,8 @@ struct Session {
     first: u64,
     /// Pressure profiles that the current consolidation had at the last look.
     profiles_seen: usize,
+    /// What was said of the memory before the run began.
+    tight: Option<String>,
 }
 
 impl Session {
@@ -133,13 +145,15 @@ impl Session {
         let mut kept = (simulation.state(), Instant::now());
         self.begin_stage(simulation);
         while simulation.stage().is_some() && !stop(simulation) {
-            let done = simulation.outcomes().len();
+            let (step, done) = (simulation.step(), simulation.outcomes().len());
             if let Err(error) = simulation.advance() {
                 let state = match error.spoils_state() {
                     true => kept.0,
                     false => {
                         // The step may be complete, and the stage the failure.
-                        self.keep_on_failure(simulation, |s, now| s.recorder.after_step(now))?;
+                        if simulation.step() > step {
+                            self.keep_on_failure(simulation, |s, now| s.recorder.after_step(now))?;
+                        }
                         simulation.state()
                     }
                 };
@@ -150,9 +164,14 @@ impl Session {
             self.keep_on_failure(simulation, |session, now| {
                 session.recorder.after_step(now)?;
                 session.draw_section(now)?;
-                if finished_stage { session.end_stage(now) } else { Ok(()) }
+                if finished_stage {
+                    session.draw_stage(now)?;
+                }
+                session.recorder.checkpoint(now)
             })?;
-            if !finished_stage {
+            if finished_stage {
+                self.end_stage(simulation);
+            } else {
                 self.progress.update(simulation.step(), simulation.stage_progress(), || {
                     value_of_interest(simulation)
                 });
@@ -165,20 +184,26 @@ impl Session {
     }
 
     /// Keeps a state to go on from, beside a failure: nothing is lost on top of it if this one
-    /// fails too.
+    /// fails too. A checkpoint that is there stays where the rows before the state cannot be
+    /// written: a restart from the state would leave them out.
     fn keep(&mut self, state: &SimulationState) {
-        let _ = self.recorder.flush();
-        let _ = checkpoint::save(&self.folder.join(CHECKPOINT), state);
+        let path = self.folder.join(CHECKPOINT);
+        if self.recorder.flush().is_ok() || !path.exists() {
+            let _ = checkpoint::save(&path, state);
+        }
     }
 
-    /// Writes results; a failure leaves a checkpoint behind.
+    /// Writes results; a failure leaves a checkpoint behind. One that comes after these results is
+    /// left only where a second attempt writes them, or there is no other.
     fn keep_on_failure(
         &mut self,
         simulation: &mut Simulation,
-        write: impl FnOnce(&mut Session, &mut Simulation) -> Result<()>,
+        write: impl Fn(&mut Session, &mut Simulation) -> Result<()>,
     ) -> Result<()> {
         let written = write(self, simulation);
-        if written.is_err() {
+        if written.is_err()
+            && (write(self, simulation).is_ok() || !self.folder.join(CHECKPOINT).exists())
+        {
             self.keep(&simulation.state());
         }
         written
@@ -195,20 +220,18 @@ impl Session {
         if !simulation.plan().output.pictures || c.profiles.len() == self.profiles_seen {
             return Ok(());
         }
-        let before = std::mem::replace(&mut self.profiles_seen, c.profiles.len());
+        let before = self.profiles_seen;
         let chosen = plan
             .profiles
             .iter()
             .position(|&t| t >= 0.1)
             .unwrap_or(plan.profiles.len().saturating_sub(1));
-        match c.profiles.get(chosen) {
-            Some(profile) if chosen >= before => pictures::section(
-                &self.folder,
-                simulation,
-                &format!("at *T*_{{v}} = {:.2}", profile.time_factor),
-            ),
-            _ => Ok(()),
+        if let Some(profile) = c.profiles.get(chosen).filter(|_| chosen >= before) {
+            let when = format!("at *T*_{{v}} = {:.2}", profile.time_factor);
+            pictures::section(&self.folder, simulation, &when)?;
         }
+        self.profiles_seen = c.profiles.len();
+        Ok(())
     }
 
     fn begin_stage(&mut self, simulation: &Simulation) {
@@ -218,16 +241,19 @@ impl Session {
         }
     }
 
-    fn end_stage(&mut self, simulation: &Simulation) -> Result<()> {
+    fn draw_stage(&self, simulation: &Simulation) -> Result<()> {
+        match simulation.outcomes().last().filter(|_| simulation.plan().output.pictures) {
+            Some(outcome) => pictures::of_stage(&self.folder, simulation, outcome),
+            None => Ok(()),
+        }
+    }
+
+    fn end_stage(&mut self, simulation: &Simulation) {
         self.profiles_seen = 0;
         if let Some(outcome) = simulation.outcomes().last() {
             self.progress.end(simulation.step(), &summary::headline(&outcome.outcome));
-            if simulation.plan().output.pictures {
-                pictures::of_stage(&self.folder, simulation, outcome)?;
-            }
         }
         self.begin_stage(simulation);
-        Ok(())
     }
 
     /// Writes what there is: history, summary, and a checkpoint unless all is
@@ -245,7 +271,8 @@ impl Session {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }
         let error = ended.as_ref().err().map(|e| e.to_string());
-        let status = summary::Status { finished, interrupted, error };
+        let tight = self.tight.take();
+        let status = summary::Status { finished, interrupted, error, tight };
         let steps = simulation.step() - self.first;
         let report = Report::new(
             &simulation,
@@ -255,14 +282,12 @@ impl Session {
             status,
             (self.restart.clone(), &self.folder),
         );
-        self.keep_on_failure(&mut simulation, |s, _| {
-            json::write(&s.folder.join(SUMMARY), &report)
-        })?;
-        match ended {
-            Ok(()) => Ok(report),
-            Err(Error::Input(error)) => Err(Error::Input(error)),
-            Err(error) => Err(error),
+        // Not tried a second time: a summary would say that the run is done.
+        if let Err(error) = json::write(&self.folder.join(SUMMARY), &report) {
+            self.keep(&simulation.state());
+            return Err(error);
         }
+        ended.map(|()| report)
     }
 }
 

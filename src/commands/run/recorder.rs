@@ -19,8 +19,20 @@ pub struct Recorder {
     frames: Option<Frames>,
     /// Step that was looked at last: a stage without steps adds none.
     last_step: Option<u64>,
+    /// What is still to be written of it.
+    due: Due,
+    /// Step of the last row.
+    last_row: Option<u64>,
     /// Walls that a servo holds at some time.
     servos: Vec<WallId>,
+}
+
+/// What is to be written of a step.
+#[derive(Clone, Copy, Default)]
+struct Due {
+    row: bool,
+    frames: bool,
+    checkpoint: bool,
 }
 
 /// Frames for ParaView.
@@ -52,33 +64,47 @@ impl Recorder {
             .transpose()?;
         Ok(Recorder {
             folder: folder.to_owned(),
+            last_row: history.last_step(),
             history,
             history_every: output.history_every,
             checkpoint_every: output.checkpoint_every,
             frames,
             last_step: from.map(|(step, _)| step),
+            due: Due::default(),
             servos,
         })
     }
 
-    /// Writes what is due after a step.
+    /// Writes the row and the frames that are due after a step. Called again after a failure, it
+    /// goes on where it stopped.
     pub fn after_step(&mut self, simulation: &mut Simulation) -> Result<()> {
         let step = simulation.step();
-        if self.last_step == Some(step) {
-            return Ok(());
+        if self.last_step != Some(step) {
+            self.last_step = Some(step);
+            let due = |every: u64| every > 0 && step.is_multiple_of(every);
+            self.due = Due {
+                row: due(self.history_every),
+                frames: self.frames.as_ref().is_some_and(|f| due(f.every)),
+                checkpoint: due(self.checkpoint_every),
+            };
         }
-        self.last_step = Some(step);
-        let due = |every: u64| every > 0 && step.is_multiple_of(every);
-        if due(self.history_every) {
+        if std::mem::take(&mut self.due.row) {
             self.write_row(simulation)?;
         }
-        if let Some(frames) = self.frames.as_mut().filter(|f| due(f.every)) {
+        if let Some(frames) = self.frames.as_mut().filter(|_| self.due.frames) {
             frames.write(&self.folder, simulation)?;
+            self.due.frames = false;
         }
-        if due(self.checkpoint_every) {
-            // A restart from it finds the rows before it.
+        Ok(())
+    }
+
+    /// Writes the checkpoint that is due after a step, once all else of the step is written: a
+    /// restart from it finds what was before it.
+    pub fn checkpoint(&mut self, simulation: &Simulation) -> Result<()> {
+        if self.due.checkpoint {
             self.history.flush()?;
             checkpoint::save(&self.folder.join(super::CHECKPOINT), &simulation.state())?;
+            self.due.checkpoint = false;
         }
         Ok(())
     }
@@ -86,9 +112,11 @@ impl Recorder {
     fn write_row(&mut self, simulation: &mut Simulation) -> Result<()> {
         let mut values = Vec::new();
         history::row(simulation, &self.servos, &mut values);
-        self.history.row(&values)?;
+        let written = self.history.row(&values);
+        // A row that the disk has no room for is kept for the next time.
+        self.last_row = Some(simulation.step());
         simulation.reset_stress_extremes();
-        Ok(())
+        Ok(written?)
     }
 
     /// Hands all rows so far to the system.
@@ -98,7 +126,8 @@ impl Recorder {
 
     /// Hands everything to the system; a finished run ends with its last state.
     pub fn close(&mut self, simulation: &mut Simulation, finished: bool) -> Result<()> {
-        let written = simulation.step().is_multiple_of(self.history_every.max(1));
+        let step = simulation.step();
+        let written = step.is_multiple_of(self.history_every.max(1)) || self.last_row == Some(step);
         if finished && self.history_every > 0 && !written {
             self.write_row(simulation)?;
         }

@@ -25,6 +25,8 @@ pub struct Status {
     pub interrupted: bool,
     /// Why it could not go on.
     pub error: Option<String>,
+    /// A warning of the memory that there was at its beginning.
+    pub tight: Option<String>,
 }
 
 /// Everything about a run that fits on a page.
@@ -150,7 +152,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
-            warnings: simulation.warnings(),
+            warnings: status.tight.into_iter().chain(simulation.warnings()).collect(),
             versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: plan.stages.iter().zip(simulation.outcomes()).map(stage).collect(),

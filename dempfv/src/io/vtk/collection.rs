@@ -61,12 +61,15 @@ impl Collection {
         Ok(collection)
     }
 
-    /// Appends the frame of a time (s). `file` is relative to the collection's
-    /// folder and must exist already: a reader may come at any moment.
+    /// Appends the frame of a time (s), in the place of an earlier one of that name. `file` is
+    /// relative to the collection's folder and must exist already: a reader may come at any
+    /// moment.
     ///
     /// # Errors
     /// [`IoError::File`] when the file cannot be written; the old one then stands.
     pub fn push(&mut self, time: f64, file: &str) -> Result<()> {
+        // Where the collection could not be written, the frame comes a second time.
+        self.frames.retain(|(_, other)| other != file);
         self.frames.push((time, file.to_owned()));
         atomic::write(&self.path, self.text().as_bytes())
     }

@@ -116,7 +116,9 @@ impl State {
 
     pub fn progress(&self, clock: &Clock) -> f64 {
         match self.end {
-            End::Step(from, to) => (clock.step - from) as f64 / (to - from) as f64,
+            End::Step(from, to) => {
+                clock.step.saturating_sub(from) as f64 / to.saturating_sub(from).max(1) as f64
+            }
             End::Time(from, to) => (clock.time - from) / (to - from),
             End::Strain { .. } => self.strained,
         }

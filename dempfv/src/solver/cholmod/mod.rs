@@ -164,6 +164,9 @@ impl CholmodFactor {
             return Err(SolverError::PatternChanged);
         }
         a.check_finite()?;
+        if !blas::has_room(1, size_of::<f64>() * self.analysis.nnz_l as usize) {
+            return Err(error(Fault::OutOfMemory, "factor", self.n));
+        }
         let (result, placement) = match &self.accelerator {
             Some(accelerator) => accelerator.factorize(&mut self.raw, a),
             None => (self.raw.factorize(a), Placement::Cpu),

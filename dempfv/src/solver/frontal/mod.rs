@@ -205,6 +205,9 @@ impl FrontalFactor {
         if self.packed.words.is_empty() {
             self.packed = self.symbolic.allocate()?;
         }
+        if !blas::has_room(rayon::current_num_threads(), 0) {
+            return Err(SolverError::OutOfMemory { solver: NAME, phase: "factor", n: a.n });
+        }
         let (values, row_excess) = self.m_matrix.scaled(a, &pattern.order);
         let work =
             Factorization { pattern, schedule, layout, values: &values, row_excess: &row_excess };
