@@ -73,7 +73,7 @@ struct StageReport {
 pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
     let (specimen, bounds, stability) = specimen(&plan)?;
-    let estimate = Estimate::of(&plan, &specimen);
+    let estimate = Estimate::of(&plan, &specimen)?;
     let stages = plan
         .stages
         .iter()
@@ -144,7 +144,7 @@ fn count_pores(
     let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
-    let operators = Operators::new(&network, derivatives, boundary);
+    let operators = Operators::new(&network, derivatives, boundary)?;
     specimen.pores = Some(network.pores());
     specimen.unknowns = Some(operators.unknowns());
     specimen.factor_entries = Some(0);

@@ -56,7 +56,12 @@ fn alone(load: ServoLoad, resistance: f64, dt: f64) -> f64 {
     };
     // A fluid holds the force up while the wall moves on, so of its
     // share the previous shift is kept and nothing is damped.
-    let wet = if resistance > 0.0 { resistance / dt / stiffness } else { 0.0 };
+    let wet = match resistance / dt {
+        // A step so short that the fluid is all that there is.
+        f64::INFINITY => 1.0,
+        per_shift if per_shift > 0.0 => per_shift / stiffness,
+        _ => 0.0,
+    };
     let damping = (1.0 - wet) * SERVO_DAMPING;
     let memory = SERVO_MEMORY + wet * (1.0 - SERVO_MEMORY);
     let shift = (1.0 - damping) * wanted + memory * previous;

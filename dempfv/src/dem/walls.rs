@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
-use super::material::positive;
+use super::material::{finite, positive};
 use super::servo::ServoLoad;
 use crate::{Aabb, PerWall, WallId};
 
@@ -30,13 +30,6 @@ pub enum WallControl {
 
 impl WallControl {
     pub(super) fn check(&self) -> Result<(), DemError> {
-        let finite = |name, value: f64| {
-            if value.is_finite() {
-                Ok(())
-            } else {
-                Err(DemError::Parameter { name, value, expected: "finite" })
-            }
-        };
         match *self {
             WallControl::Fixed => Ok(()),
             WallControl::Velocity(v) => finite("wall velocity", v),
@@ -105,6 +98,14 @@ impl Wall {
         let shift = self.velocity * dt;
         self.position += shift;
         self.displacement += shift;
+    }
+
+    /// Refuses numbers that no step leaves.
+    pub(super) fn check(&self) -> Result<(), DemError> {
+        finite("wall velocity", self.velocity)?;
+        finite("wall displacement", self.displacement)?;
+        finite("wall shift", self.previous_shift)?;
+        self.control.check()
     }
 
     /// Changes the control; a servo starts without memory.

@@ -72,7 +72,7 @@ impl Simulation {
     /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
         plan.validate()?;
-        let coupled = setup::coupled(&plan, setup::mechanics(&plan)?);
+        let coupled = setup::coupled(&plan, setup::mechanics(&plan)?)?;
         Ok(Simulation {
             plan,
             coupled,
