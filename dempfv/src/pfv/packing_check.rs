@@ -78,8 +78,9 @@ fn check_scale(radius: &[f64], bounds: &Aabb) -> Result<(), PfvError> {
     let (spacing, edge) = (bounds.spacing(), bounds.size().max());
     if let Some(index) = radius.iter().position(|r| spacing > SPACING_PER_RADIUS * r) {
         let problem = format!(
-            "{:e} m, but in this box neighbouring coordinates are {spacing:.1e} m apart in double \
-             precision: the pores would have lost their digits; move the box to the origin, or take a smaller box",
+            "{:e} m, but in this box neighbouring coordinates are {spacing:.1e} m apart in \
+             double precision: the pores would have lost their digits; move the box to the origin, or \
+             take a smaller box",
             radius[index]
         );
         return Err(PfvError::invalid("radius", index, problem));
