@@ -47,7 +47,7 @@ fn system(packing: &Packing) -> Result<(SymmetricCsc, Points)> {
     boundary.pressure[WallId::YMax] = Some(0.0);
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let (network, derivatives) = Network::new(&packing.position, &packing.radius, bounds, &fluid)?;
-    let operators = Operators::new(&network, derivatives, fluid.boundary);
+    let operators = Operators::new(&network, derivatives, fluid.boundary)?;
     let points = operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
     Ok((operators.matrix, points))
 }

@@ -221,7 +221,15 @@ impl Aabb {
         size[(wall.axis() + 1) % 3] * size[(wall.axis() + 2) % 3]
     }
 
-    /// The tight box around spheres; `None` when there are none.
+    /// Distance between neighbouring numbers in double precision at the largest of the box's
+    /// coordinates (m): positions in it are known no better.
+    pub(crate) fn spacing(&self) -> f64 {
+        let farthest = self.min.amax().max(self.max.amax());
+        farthest.next_up() - farthest
+    }
+
+    /// The tight box around spheres; `None` when there are none, for arrays of different
+    /// lengths, and where a number is not finite.
     ///
     /// ```
     /// use dempfv::{Aabb, Vec3};
@@ -229,10 +237,14 @@ impl Aabb {
     /// assert_eq!(b.min, Vec3::new(0.5, 1.5, 2.5));
     /// ```
     pub fn of_spheres(position: &[Vec3], radius: &[f64]) -> Option<Aabb> {
-        position
-            .iter()
-            .zip(radius)
-            .map(|(x, &r)| Aabb { min: x.add_scalar(-r), max: x.add_scalar(r) })
-            .reduce(|a, b| Aabb { min: a.min.inf(&b.min), max: a.max.sup(&b.max) })
+        let ends = |(x, r): (&Vec3, &f64)| (x.add_scalar(-r), x.add_scalar(*r));
+        let is_known = |(low, high): &(Vec3, Vec3)| low.iter().chain(high).all(|c| c.is_finite());
+        let mut around = position.iter().zip(radius).map(ends);
+        if position.len() != radius.len() || !around.clone().all(|ends| is_known(&ends)) {
+            return None;
+        }
+        let first = around.next()?;
+        let (min, max) = around.fold(first, |(a, b), (low, high)| (a.inf(&low), b.sup(&high)));
+        Some(Aabb { min, max })
     }
 }

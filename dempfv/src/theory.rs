@@ -18,7 +18,7 @@ const TERMS: u32 = 12;
 /// slow at small T_v; there its equal by reflection at the ends is summed,
 /// U = 2 √(T_v/π) \[1 + 2 Σ (−1)ⁿ F(n/√T_v)\], n = 1, 2, …, with
 /// F(a) = exp(−a²) − a √π erfc(a). The error is below 1e-14 for any T_v.
-/// Negative T_v count as 0.
+/// Negative T_v count as 0; not a number for one that is none.
 ///
 /// Source: Terzaghi and Fröhlich (1936); Carslaw and Jaeger (1959), §3.4.
 ///
@@ -53,8 +53,12 @@ pub fn degree_of_consolidation(time_factor: f64) -> f64 {
 ///
 /// p/p₀ = Σ 2/M sin(M z/H) exp(−M² T_v), M = π/2 (2k+1); at small T_v
 /// p/p₀ = 1 − Σ (−1)ⁿ \[erfc((2n + z/H) / 2√T_v) + erfc((2n + 2 − z/H) / 2√T_v)\],
-/// n = 0, 1, … The error is below 1e-14 for any T_v; 1 inside for T_v ≤ 0.
+/// n = 0, 1, … The error is below 1e-14 for any T_v; 1 inside for T_v ≤ 0. Depths beyond the ends
+/// count as the ends; not a number where one of the two is none.
 pub fn excess_pressure(depth: f64, time_factor: f64) -> f64 {
+    if depth.is_nan() || time_factor.is_nan() {
+        return f64::NAN;
+    }
     let z = depth.clamp(0.0, 1.0);
     if z == 0.0 {
         return 0.0;
@@ -90,15 +94,18 @@ pub fn excess_pressure_both_ends(depth: f64, time_factor: f64) -> f64 {
 /// drained wall: that share settles at once, the rest drains over 1−d of the
 /// drainage path, which is H, or H/2 where both ends drain.
 ///
-/// U = d + (1−d) U_T(T_v / (1−d)²), T_v with the whole drainage path.
+/// U = d + (1−d) U_T(T_v / (1−d)²), T_v with the whole drainage path; not a number for another share.
 pub fn degree_of_consolidation_drained_top(time_factor: f64, drained: f64) -> f64 {
+    if !(0.0..1.0).contains(&drained) {
+        return f64::NAN;
+    }
     let wet = 1.0 - drained;
     drained + wet * degree_of_consolidation(time_factor / (wet * wet))
 }
 
 /// The time factor at which a degree of consolidation (0 ≤ U < 1) is reached:
 /// the inverse of [`degree_of_consolidation`], to rounding. 0 for U ≤ 0,
-/// infinite for U ≥ 1.
+/// infinite for U ≥ 1, and not a number for one that is none.
 ///
 /// ```
 /// use dempfv::theory::time_factor;
@@ -107,6 +114,9 @@ pub fn degree_of_consolidation_drained_top(time_factor: f64, drained: f64) -> f6
 pub fn time_factor(degree: f64) -> f64 {
     if degree <= 0.0 {
         return 0.0;
+    }
+    if degree.is_nan() {
+        return f64::NAN;
     }
     if degree >= 1.0 {
         return f64::INFINITY;
@@ -130,14 +140,24 @@ pub fn time_factor(degree: f64) -> f64 {
 /// diameter d (m): k = ε³ d² / (180 (1−ε)²). For spheres of unequal size the
 /// diameter that keeps the specific surface is Sauter's, [`sauter_diameter`].
 ///
+/// Infinite at a porosity of 1; not a number for one that is not from 0 to 1, and for a diameter
+/// that is not positive.
+///
 /// Source: Carman (1937).
 pub fn kozeny_carman(porosity: f64, diameter: f64) -> f64 {
+    if !((0.0..=1.0).contains(&porosity) && diameter > 0.0) {
+        return f64::NAN;
+    }
     porosity.powi(3) * diameter * diameter / (180.0 * (1.0 - porosity).powi(2))
 }
 
 /// Sauter mean diameter (m) of spheres, 2 Σ r³ / Σ r²: the diameter of equal
-/// spheres with the same surface per volume. 0 without spheres.
+/// spheres with the same surface per volume. 0 without spheres; not a number where a radius is
+/// not positive.
 pub fn sauter_diameter(radius: &[f64]) -> f64 {
+    if radius.iter().any(|r| r.is_nan() || *r <= 0.0) {
+        return f64::NAN;
+    }
     let sum = |power: i32| radius.iter().map(|r| r.powi(power)).sum::<f64>();
     if radius.is_empty() { 0.0 } else { 2.0 * sum(3) / sum(2) }
 }

@@ -163,7 +163,9 @@ fn the_strain_stays_below_its_limit() {
         for _ in 0..1500 {
             coupled.step(0.1 * DT).unwrap();
             let network = &coupled.storage_flow().unwrap().network();
-            let now = network.volumes_at(&coupled.dem().storage().position, &coupled.dem().box_());
+            let now = network
+                .volumes_at(&coupled.dem().storage().position, &coupled.dem().box_())
+                .unwrap();
             let strains = now.iter().zip(&network.volume).map(|(now, v)| ((now - v) / v).abs());
             largest = largest.max(strains.fold(0.0, f64::max));
         }

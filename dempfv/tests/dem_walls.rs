@@ -64,7 +64,7 @@ fn a_servo_on_fluid_finds_its_speed() {
     let (resistance, dt) = (1e6, 1e-4);
     let mut all = PerWall::<PerWall<f64>>::default();
     all[WallId::YMax][WallId::YMax] = resistance;
-    dem.set_wall_resistance(all);
+    dem.set_wall_resistance(all).unwrap();
     for stress in [2e4, 1e4, 3e4] {
         dem.set_control(WallId::YMax, WallControl::Servo { stress, max_velocity: Some(1.0) })
             .unwrap();

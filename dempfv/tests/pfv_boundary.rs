@@ -65,7 +65,7 @@ fn what_is_injected_around_a_point_leaves_through_the_walls() {
     let imposed = [ImposedPressure { pores: around, pressure: 5.0 }];
     let open = fluid(&[(WallId::YMax, 0.0)]);
     let mut flow = flow(&s, &open, &imposed).unwrap();
-    let centroids = flow.network().centroids(&s.x, &s.bounds);
+    let centroids = flow.network().centroids(&s.x, &s.bounds).unwrap();
     let near: Vec<usize> =
         (0..centroids.len()).filter(|&i| (centroids[i] - center).norm() <= radius).collect();
     assert!(near.len() > 3);

@@ -32,7 +32,7 @@ fn every_pore_contains_its_middle() {
     for s in [settled(), loose(), few(1), few(2)] {
         let n = network(&s);
         for pore in 0..n.pores() {
-            assert_eq!(n.tessellation.locate(&s.x, &middle(&s, &n, pore)), pore as u32);
+            assert_eq!(n.tessellation.locate(&s.x, &middle(&s, &n, pore)).unwrap(), pore as u32);
         }
     }
 }
@@ -58,7 +58,7 @@ fn points_fall_into_pores_by_volume() {
         for _ in 0..POINTS {
             let at = random.vector().map(|c| 0.5 * (c + 1.0));
             let x = s.bounds.min + at.component_mul(&s.bounds.size());
-            hits[group(n.tessellation.locate(&s.x, &x) as usize)] += 1.0;
+            hits[group(n.tessellation.locate(&s.x, &x).unwrap() as usize)] += 1.0;
         }
         for (p, hit) in share.iter().zip(hits) {
             let deviation = (POINTS as f64 * p * (1.0 - p)).sqrt();
@@ -79,7 +79,7 @@ fn corners_and_vertices_belong_to_their_pores() {
                 if corner >> k & 1 == 0 { s.bounds.min[k] } else { s.bounds.max[k] }
             },
         );
-        let pore = n.tessellation.locate(&s.x, &x) as usize;
+        let pore = n.tessellation.locate(&s.x, &x).unwrap() as usize;
         let walls = n.tessellation.cells[pore].iter().filter_map(|&v| n.tessellation.wall(v));
         assert!(
             walls.clone().count() == 3
@@ -87,8 +87,8 @@ fn corners_and_vertices_belong_to_their_pores() {
         );
     }
     for (i, x) in s.x.iter().enumerate().step_by(37) {
-        let pore = n.tessellation.locate(&s.x, x);
+        let pore = n.tessellation.locate(&s.x, x).unwrap();
         assert!(n.tessellation.cells[pore as usize].contains(&(i as u32)));
     }
-    assert_eq!(n.tessellation.locate(&s.x, &Vec3::repeat(f64::NAN)), NONE);
+    assert_eq!(n.tessellation.locate(&s.x, &Vec3::repeat(f64::NAN)).unwrap(), NONE);
 }

@@ -20,7 +20,7 @@ fn network(s: &Spheres) -> Network {
 
 fn operators(s: &Spheres, fluid: &Fluid) -> (Network, Operators) {
     let (network, derivatives) = Network::new(&s.x, &s.r, s.bounds, fluid).unwrap();
-    let operators = Operators::new(&network, derivatives, fluid.boundary);
+    let operators = Operators::new(&network, derivatives, fluid.boundary).unwrap();
     (network, operators)
 }
 
@@ -112,7 +112,7 @@ fn volume_rates_are_derivatives_of_the_volumes() {
         let v: Vec<Vec3> = s.x.iter().map(|_| speed * random.vector()).collect();
         let wall_v: [f64; 6] = std::array::from_fn(|_| speed * (2.0 * random.next() - 1.0));
         let mut rate = vec![0.0; n.pores()];
-        o.volume_rate(&v, &wall_v, &mut rate);
+        o.volume_rate(&v, &wall_v, &mut rate).unwrap();
         let h = 1e-5;
         let moved = |t: f64| {
             let x: Vec<Vec3> = s.x.iter().zip(&v).map(|(x, v)| x + t * v).collect();
@@ -121,7 +121,7 @@ fn volume_rates_are_derivatives_of_the_volumes() {
                 let side = if w.is_max() { &mut b.max } else { &mut b.min };
                 side[w.axis()] += t * wall_v[w.index()];
             }
-            n.volumes_at(&x, &b)
+            n.volumes_at(&x, &b).unwrap()
         };
         let (before, after) = (moved(-h), moved(h));
         let mut seen = [0; 4];
@@ -175,7 +175,7 @@ fn a_uniform_pressure_pushes_only_walls() {
             let (n, o) = operators(&s, &fluid);
             let p = 3.0;
             let (mut force, mut wall) = (vec![Vec3::zeros(); s.x.len()], [Vec3::zeros(); 6]);
-            o.forces(&vec![p; n.pores()], &mut force, &mut wall);
+            o.forces(&vec![p; n.pores()], &mut force, &mut wall).unwrap();
             for (i, f) in force.iter().enumerate() {
                 assert!(f.norm() < 1e-12 * p * s.r[i].powi(2), "sphere {i}: {f:?}");
             }
@@ -271,13 +271,13 @@ fn impossible_packings_are_errors() {
 fn centroids_are_the_middles_of_volumes() {
     for s in [settled(), loose(), few(1), few(2), cubic(4, 0.1)] {
         let n = network(&s);
-        let centroids = n.centroids(&s.x, &s.bounds);
+        let centroids = n.centroids(&s.x, &s.bounds).unwrap();
         let moment: Vec3 = centroids.iter().zip(&n.volume).map(|(x, v)| *v * x).sum();
         let off = moment / s.bounds.volume() - s.bounds.center();
         assert!(off.norm() < 1e-12 * s.bounds.size().norm(), "{off:?}");
         // Each lies in its pore.
         for (pore, x) in centroids.iter().enumerate().step_by(97) {
-            assert_eq!(n.tessellation.locate(&s.x, x), pore as u32);
+            assert_eq!(n.tessellation.locate(&s.x, x).unwrap(), pore as u32);
         }
     }
 }

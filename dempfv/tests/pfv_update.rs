@@ -51,10 +51,10 @@ fn bits(flow: &mut Flow, s: &Spheres) -> Vec<u64> {
     flow.update_volume_rate(&velocities(s), &WALLS).unwrap();
     let (mut force, mut wall_force) = (vec![Vec3::zeros(); s.x.len()], [Vec3::zeros(); 6]);
     let pressure: Vec<f64> = (0..flow.network().pores()).map(|i| (i as f64).sin()).collect();
-    flow.operators().forces(&pressure, &mut force, &mut wall_force);
+    flow.operators().forces(&pressure, &mut force, &mut wall_force).unwrap();
     let Network { center, volume, throats, .. } = flow.network();
     let vectors = center.iter().chain(&force).chain(&wall_force).flat_map(|v| [v.x, v.y, v.z]);
-    let flux = flow.operators().flux(&pressure, flow.volume_rate());
+    let flux = flow.operators().flux(&pressure, flow.volume_rate()).unwrap();
     let numbers = [volume, &throats.conductance, &flow.operators().matrix.values, &flux.to_vec()];
     let all = vectors.chain(numbers.into_iter().flatten().copied());
     all.chain(flow.volume_rate().iter().copied()).map(f64::to_bits).collect()
@@ -143,8 +143,8 @@ fn exact(flow: &Flow) -> Vec<f64> {
     let (mut x, mut r, mut c) = (vec![0.0; unknowns], vec![0.0; unknowns], vec![0.0; unknowns]);
     let mut pressure = vec![0.0; flow.network().pores()];
     for _ in 0..5 {
-        operators.pressures(&x, &mut pressure);
-        operators.residual(&pressure, flow.volume_rate(), &mut r);
+        operators.pressures(&x, &mut pressure).unwrap();
+        operators.residual(&pressure, flow.volume_rate(), &mut r).unwrap();
         factor.solve(&r, &mut c).unwrap();
         x.iter_mut().zip(&c).for_each(|(x, c)| *x += c);
     }

@@ -40,7 +40,8 @@ fn solution(factor: &mut dyn Factor, a: &SymmetricCsc) -> Vec<f64> {
     let b = numbers(a.n, 7);
     let mut x = vec![0.0; a.n];
     factor.solve(&b, &mut x).unwrap();
-    assert!(a.residual(&b, &x) <= 1e-12, "{}", a.residual(&b, &x));
+    let residual = a.residual(&b, &x).unwrap();
+    assert!(residual <= 1e-12, "{residual}");
     x
 }
 

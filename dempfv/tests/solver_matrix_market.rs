@@ -58,7 +58,7 @@ fn every_layout_gives_the_same_matrix() {
         let a = read_matrix(&Scratch::new(&format!("layout-{k}"), text).0).unwrap();
         a.validate().unwrap();
         let mut y = [0.0; 3];
-        a.multiply(&[1.0, 10.0, 100.0], &mut y);
+        a.multiply(&[1.0, 10.0, 100.0], &mut y).unwrap();
         assert_eq!(y, [-6.0, -161.0, 380.0], "layout {k}");
     }
 }

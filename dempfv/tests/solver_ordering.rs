@@ -65,7 +65,7 @@ fn packing(count: usize) -> (SymmetricCsc, Points) {
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid).unwrap();
-    let operators = Operators::new(&network, derivatives, fluid.boundary);
+    let operators = Operators::new(&network, derivatives, fluid.boundary).unwrap();
     let center = |&i: &u32| network.center[i as usize].into();
     let points = operators.pore_of.iter().map(center).collect();
     (operators.matrix, points)

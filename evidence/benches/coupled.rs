@@ -116,7 +116,7 @@ fn parts(c: &mut Criterion) {
 
         floor.bench(&mut group, id("network"), &works.network, &pool, || {
             let (network, derivatives) = Network::new(x, r, bounds, &fluid()).expect("a network");
-            Operators::new(&network, derivatives, fluid().boundary);
+            Operators::new(&network, derivatives, fluid().boundary).unwrap();
         });
         floor.bench(&mut group, id("analyze"), &works.analyze, &pool, || drop(analyze()));
         let mut factor = Some(factor);

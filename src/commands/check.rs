@@ -74,7 +74,7 @@ struct StageReport {
 pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
     let (specimen, bounds, stability) = specimen(&plan)?;
-    let estimate = Estimate::of(&plan, &specimen);
+    let estimate = Estimate::of(&plan, &specimen)?;
     let tight = room().and_then(|room| memory::tight(estimate.memory, room));
     let stages = plan
         .stages
@@ -146,7 +146,7 @@ fn count_pores(
     let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
-    let operators = Operators::new(&network, derivatives, boundary);
+    let operators = Operators::new(&network, derivatives, boundary)?;
     specimen.pores = Some(network.pores());
     specimen.unknowns = Some(operators.unknowns());
     specimen.factor_entries = Some(0);

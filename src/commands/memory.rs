@@ -17,7 +17,7 @@ const TIGHT: f64 = 0.8;
 /// [`Error::Input`] where even half of the estimate does not fit.
 pub fn check(plan: &Plan, specimen: &Specimen) -> Result<Option<String>, Error> {
     let Some(room) = room() else { return Ok(None) };
-    let estimate = Estimate::of(plan, specimen).memory;
+    let estimate = Estimate::of(plan, specimen)?.memory;
     if estimate > UNCERTAINTY * room.bytes {
         let remedy = "take fewer spheres, or a machine or a limit with more memory";
         return Err(InputError::new(words(estimate, room), remedy).into());

@@ -107,7 +107,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let a = matrix_market::read_matrix(&args.matrix)?;
     let b = match &args.right_hand_side {
         Some(path) => matrix_market::read_vector(path, a.n)?,
-        None => row_sums(&a),
+        None => row_sums(&a)?,
     };
     let known = args.right_hand_side.is_none().then_some(1.0);
     let chosen = args.solver.as_slice();
@@ -153,10 +153,10 @@ pub fn run(args: &Args) -> Result<Report, Error> {
 }
 
 /// The right-hand side whose solution is all ones.
-fn row_sums(a: &SymmetricCsc) -> Vec<f64> {
+fn row_sums(a: &SymmetricCsc) -> Result<Vec<f64>, dempfv::Error> {
     let mut b = vec![0.0; a.n];
-    a.multiply(&vec![1.0; a.n], &mut b);
-    b
+    a.multiply(&vec![1.0; a.n], &mut b)?;
+    Ok(b)
 }
 
 fn measure(

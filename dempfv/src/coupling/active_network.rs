@@ -109,7 +109,7 @@ impl ActiveNetwork {
         if let Some(Followed { position, bounds }) = &state.followed {
             flow.update_geometry(position, bounds)?;
         }
-        flow.restore_pressures(&state.extrapolation, &state.volume_rate);
+        flow.restore_pressures(&state.extrapolation, &state.volume_rate)?;
         if flow.solved_by() != state.solved_by.as_deref() {
             flow.forget_gain();
         }
@@ -124,7 +124,7 @@ impl ActiveNetwork {
         let Snapshot { position, bounds, .. } = &self.state.snapshot;
         let cells = &self.flow.network().tessellation;
         let place = |x: &Vec3| match bounds.contains(x) {
-            true => cells.locate(position, x),
+            true => cells.locate(position, x).unwrap_or(NONE),
             false => NONE,
         };
         self.probed = points.iter().map(place).collect();

@@ -1,7 +1,7 @@
 //! Steps with the automatic time step.
 
 use super::coupled::Coupled;
-use super::error::Result;
+use super::error::{Result, positive};
 use super::time_step::TimeStepBounds;
 
 impl Coupled {
@@ -24,8 +24,11 @@ impl Coupled {
     /// step alone: each call counts as one.
     ///
     /// # Errors
-    /// As a remesh, or when a solve fails.
+    /// As a remesh, or when a solve fails;
+    /// [`CouplingError::Parameter`](super::CouplingError::Parameter) for a safety that is not
+    /// positive.
     pub fn automatic_time_step(&mut self, safety: f64) -> Result<f64> {
+        positive("safety", safety)?;
         let renewed = self.update_viscous_mode(false)?;
         let known = self.auto_time_step.known().filter(|_| !renewed);
         let bounds = match known {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
 use super::counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
-use super::error::Result;
+use super::error::{Result, positive};
 use super::fluid_state::FluidState;
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
@@ -82,7 +82,8 @@ impl Coupled {
         &self.dem
     }
 
-    /// Fills the pores; the network is built at the next step.
+    /// Fills the pores; the network is built at the next step, which refuses a fluid or a remesh
+    /// rule that makes no sense.
     pub fn saturate(&mut self, saturation: Saturation) {
         if self.saturation != Some(saturation) {
             self.remesher.outdate();
@@ -105,8 +106,11 @@ impl Coupled {
 
     /// Sets what each solve may leave of the imbalance of fluid mass and of the
     /// pressures' error (1); see [`Flow::set_tolerance`](crate::pfv::Flow::set_tolerance).
-    pub fn set_tolerance(&mut self, tolerance: f64) {
-        self.remesher.set_tolerance(tolerance);
+    ///
+    /// # Errors
+    /// For one that is not between 0 and 1.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<()> {
+        self.remesher.set_tolerance(tolerance)
     }
 
     /// Changes who builds networks.
@@ -120,8 +124,11 @@ impl Coupled {
     /// # Errors
     /// What the mechanics, the network or the solver report; the state is then
     /// that of a failed step. [`CouplingError::Snapshot`](super::CouplingError::Snapshot)
-    /// for a network that was built from the positions of an earlier step.
+    /// for a network that was built from the positions of an earlier step;
+    /// [`CouplingError::Parameter`](super::CouplingError::Parameter) for a time step or a
+    /// remesh rule that makes no sense.
     pub fn step(&mut self, dt: f64) -> Result<()> {
+        positive("time step", dt)?;
         let background = self.remesher.acceleration().remesh == RemeshMode::Background;
         if self.dem.storage().len() < SPINNING_SPHERES || background {
             self.step_now(dt)
@@ -166,6 +173,9 @@ impl Coupled {
 
     /// Sees to it that the next step has its network, once.
     fn prepare_network(&mut self, saturation: &Saturation) -> Result<()> {
+        if let Some(strain) = saturation.remesh.strain {
+            positive("remesh.strain", strain)?;
+        }
         let Coupled { dem, phases, remesher, probes, .. } = self;
         remesher.prepare(RemeshContext { dem, saturation, step: self.steps }, phases)?;
         if let Some(network) = &mut remesher.current {
@@ -177,7 +187,7 @@ impl Coupled {
     fn dry_step(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
-        dem.set_wall_resistance(PerWall::default());
+        dem.set_wall_resistance(PerWall::default())?;
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         Ok(())
@@ -214,7 +224,7 @@ impl Coupled {
     fn integrate(&mut self, dt: f64) -> Result<()> {
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
-        dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default());
+        dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default())?;
         if let Some(ActiveNetwork { flow, iterations, state, .. }) = network {
             if let Some(solve) = iterations {
                 self.update_counts.add(*solve, state.exhausted);
@@ -326,7 +336,8 @@ impl Coupled {
         self.saturation.as_ref()
     }
 
-    /// Watches the pore pressure at these points (m), from the next network on.
+    /// Watches the pore pressure at these points (m), from the next network on. A point that is
+    /// outside the box or no number has no pressure ([`Coupled::probe_pressures`]).
     pub fn watch(&mut self, probes: Vec<Vec3>) {
         self.probes = probes;
     }

@@ -13,6 +13,16 @@ pub enum CouplingError {
     /// The pore network cannot be built or used.
     #[error(transparent)]
     Pfv(#[from] PfvError),
+    /// A parameter has a value that makes no sense. Nothing has changed.
+    #[error("{name} = {value}; it must be {expected}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// The value it was given.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
     /// A network cannot be built from the positions of an earlier step.
     #[error("the network of the positions at step {step}: {source}")]
     Snapshot {
@@ -55,6 +65,15 @@ pub enum CouplingError {
 
 /// The result of a coupled step and its parts.
 pub(super) type Result<T, E = CouplingError> = std::result::Result<T, E>;
+
+/// Refuses what is not a positive finite number.
+pub(super) fn positive(name: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(CouplingError::Parameter { name, value, expected: "positive and finite" })
+    }
+}
 
 impl CouplingError {
     /// The same error where sphere `i` of the pore network has the number

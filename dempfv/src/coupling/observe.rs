@@ -65,7 +65,7 @@ impl Coupled {
     /// Mean resultant force on the spheres, the fluid's included, over the
     /// mean contact force (1).
     pub fn unbalanced_force(&self) -> f64 {
-        self.dem.unbalanced_force(self.storage_flow().map(|f| f.force()))
+        self.dem.force_ratio(self.storage_flow().map(|f| f.force()))
     }
 
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
@@ -89,7 +89,7 @@ impl Coupled {
     /// numbers; zero where the pores are empty.
     pub fn fluid_force(&self) -> Vec<Vec3> {
         match self.storage_flow() {
-            Some(flow) => self.dem.by_number(flow.force()),
+            Some(flow) => self.dem.numbered(flow.force()),
             None => vec![Vec3::zeros(); self.dem.len()],
         }
     }
@@ -110,7 +110,7 @@ impl Coupled {
         }
         let mean = |(weighted, volume)| if volume > 0.0 { weighted / volume } else { 0.0 };
         let pressure: Vec<f64> = sums.into_iter().map(mean).collect();
-        self.dem.by_number(&pressure)
+        self.dem.numbered(&pressure)
     }
 
     /// Pressure of the pore that contained each watched point when the network was built

@@ -23,7 +23,7 @@ use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
 use crate::PerWall;
-use crate::pfv::{Extrapolation, Flow, TransferSource};
+use crate::pfv::{Extrapolation, Flow, TransferSource, check_tolerance};
 
 /// The network in use and the one that comes next.
 pub(super) struct Remesher {
@@ -102,11 +102,13 @@ impl Remesher {
         self.acceleration = acceleration;
     }
 
-    pub fn set_tolerance(&mut self, tolerance: f64) {
-        self.tolerance = Some(tolerance);
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<()> {
+        check_tolerance(tolerance)?;
         if let Some(network) = &mut self.current {
-            network.flow.set_tolerance(tolerance);
+            network.flow.set_tolerance(tolerance)?;
         }
+        self.tolerance = Some(tolerance);
+        Ok(())
     }
 
     pub fn tolerance(&self) -> Option<f64> {
@@ -114,12 +116,13 @@ impl Remesher {
     }
 
     /// Puts a network into use.
-    fn put_to_use(&mut self, mut flow: Flow, state: FluidState) {
+    fn put_to_use(&mut self, mut flow: Flow, state: FluidState) -> Result<()> {
         let follows = self.acceleration.update == Update::EveryStep;
         if let Some(tolerance) = self.tolerance.or(follows.then_some(PRESSURE_ERROR)) {
-            flow.set_tolerance(tolerance);
+            flow.set_tolerance(tolerance)?;
         }
         self.current = Some(ActiveNetwork::new(flow, state));
+        Ok(())
     }
 
     pub fn acceleration(&self) -> &Acceleration {
@@ -282,7 +285,7 @@ impl Remesher {
         };
         match built {
             Ok(flow) => {
-                self.install(flow, snapshot, context, phases);
+                self.install(flow, snapshot, context, phases)?;
                 Ok(true)
             }
             Err(_) if self.acceleration.on_failure == OnFailure::Retry => {
@@ -324,8 +327,7 @@ impl Remesher {
             .source
             .build(&snapshot, context, phases)
             .map_err(|e| e.with_numbers(&context.dem.storage().id))?;
-        self.install(flow, snapshot, context, phases);
-        Ok(())
+        self.install(flow, snapshot, context, phases)
     }
 
     /// Takes a network into use: it goes on from the pressures of the old one,
@@ -336,7 +338,7 @@ impl Remesher {
         snapshot: Snapshot,
         context: RemeshContext,
         phases: &mut Phases,
-    ) {
+    ) -> Result<()> {
         let start = Instant::now();
         self.count(&flow);
         let beside = self.current.as_ref().map(|network| network.flow.has_pattern_of(&flow));
@@ -355,7 +357,7 @@ impl Remesher {
         let volume_change = match context.saturation.remesh.strain {
             None => vec![],
             Some(_) if snapshot.step == context.step => vec![0.0; flow.network().pores()],
-            Some(_) => volume_change(&flow, &context),
+            Some(_) => volume_change(&flow, &context)?,
         };
         let state = FluidState {
             snapshot,
@@ -370,9 +372,10 @@ impl Remesher {
             pending: None,
             fastest,
         };
-        self.put_to_use(flow, state);
+        self.put_to_use(flow, state)?;
         self.source.auto_interval.swapped();
         phases.add(Phase::Swap, start.elapsed());
+        Ok(())
     }
 
     fn count(&mut self, flow: &Flow) {
@@ -435,13 +438,13 @@ impl Remesher {
         self.counts.analyses += u64::from(flow.nnz_l() > 0);
         self.gpu.book(flow.placement());
         if context.saturation.remesh.strain.is_some() && state.volume_change.is_empty() {
-            state.volume_change = volume_change(&flow, &context);
+            state.volume_change = volume_change(&flow, &context)?;
         }
         if self.acceleration.update != Update::EveryStep {
             // From here on the matrix must be the one that was factored.
             state.followed = None;
         }
-        self.put_to_use(flow, state);
+        self.put_to_use(flow, state)?;
         if let Some(network) = &mut self.current {
             network.resume()?;
         }
@@ -454,9 +457,9 @@ impl Remesher {
 }
 
 /// What each pore has grown by since the positions that its network was built of (m³).
-fn volume_change(flow: &Flow, context: &RemeshContext) -> Vec<f64> {
-    let now = flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_());
-    now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect()
+fn volume_change(flow: &Flow, context: &RemeshContext) -> Result<Vec<f64>> {
+    let now = flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_())?;
+    Ok(now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect())
 }
 
 impl Pending {

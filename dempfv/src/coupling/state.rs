@@ -211,7 +211,7 @@ impl Coupled {
         let mut coupled = Coupled::new(dem);
         coupled.accelerate(parameters.acceleration);
         if let Some(tolerance) = parameters.tolerance {
-            coupled.set_tolerance(tolerance);
+            coupled.set_tolerance(tolerance)?;
         }
         coupled.watch(parameters.probes);
         coupled.saturation = parameters.saturation;

@@ -64,9 +64,11 @@ impl TimeStepBounds {
     }
 
     /// The time step that `dt = "auto"` takes (s): this share of the limit, and no more than
-    /// collisions without damping allow.
+    /// collisions without damping allow. Not a number where `safety` or a bound is not positive.
     pub fn automatic(&self, safety: f64) -> f64 {
-        (safety * self.limit()).min(self.collision.unwrap_or(f64::INFINITY))
+        let (stable, collision) = (safety * self.limit(), self.collision.unwrap_or(f64::INFINITY));
+        let makes_sense = self.contact > 0.0 && self.viscosity() > 0.0 && collision > 0.0;
+        if makes_sense && stable > 0.0 { stable.min(collision) } else { f64::NAN }
     }
 
     /// Which bound rules.
@@ -133,7 +135,10 @@ impl std::fmt::Display for TimeStepRule {
 ///
 /// It knows sizes only, not how narrow the pores are: on dense packings the
 /// true bound ([`ViscousMode`](crate::pfv::ViscousMode)) can be many times
-/// less.
+/// less. Not a number where an argument is not positive.
 pub fn viscous_time_step(smallest_radius: f64, density: f64, viscosity: f64) -> f64 {
+    if !(smallest_radius > 0.0 && density > 0.0 && viscosity > 0.0) {
+        return f64::NAN;
+    }
     2.0 * std::f64::consts::PI * density * (2.0 * smallest_radius).powi(2) / (8000.0 * viscosity)
 }

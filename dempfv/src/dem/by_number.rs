@@ -4,12 +4,15 @@
 //! and gives the user's numbers, the places in the list that the `Dem` was
 //! made of; see [`Dem::storage`] for the arrays as they are stored.
 
+use super::error::{DemError, require_length};
 use super::system::Dem;
 use crate::Vec3;
 
 /// # Spheres by the user's numbers
 ///
-/// A number that no sphere has panics, as an index beyond a slice does.
+/// # Panics
+/// All that take a `number` panic where no sphere has it, as an index beyond a slice does. What
+/// is set or added and is not finite, is refused by the next step, which names the sphere.
 impl Dem {
     /// Number of spheres.
     pub fn len(&self) -> usize {
@@ -64,43 +67,52 @@ impl Dem {
 
     /// Centres of all spheres (m).
     pub fn positions(&self) -> Vec<Vec3> {
-        self.by_number(&self.particles.position)
+        self.numbered(&self.particles.position)
     }
 
     /// Velocities of all spheres (m/s), half a time step behind the positions.
     pub fn velocities(&self) -> Vec<Vec3> {
-        self.by_number(&self.particles.velocity)
+        self.numbered(&self.particles.velocity)
     }
 
     /// Angular velocities of all spheres (rad/s), likewise.
     pub fn spins(&self) -> Vec<Vec3> {
-        self.by_number(&self.particles.spin)
+        self.numbered(&self.particles.spin)
     }
 
     /// Radii of all spheres (m).
     pub fn radii(&self) -> Vec<f64> {
-        self.by_number(&self.particles.radius)
+        self.numbered(&self.particles.radius)
     }
 
     /// Masses of all spheres (kg).
     pub fn masses(&self) -> Vec<f64> {
-        self.by_number(&self.particles.mass)
+        self.numbered(&self.particles.mass)
     }
 
     /// Forces of the contacts on all spheres (N), from the last
     /// [`Dem::compute_contacts`].
     pub fn forces(&self) -> Vec<Vec3> {
-        self.by_number(self.storage_forces())
+        self.numbered(self.storage_forces())
     }
 
     /// Torques of the contacts on all spheres (N m), likewise.
     pub fn torques(&self) -> Vec<Vec3> {
-        self.by_number(self.storage_torques())
+        self.numbered(self.storage_torques())
     }
 
     /// Values of all spheres, one each in storage order, by the user's
     /// numbers.
-    pub fn by_number<T: Copy>(&self, in_storage_order: &[T]) -> Vec<T> {
+    ///
+    /// # Errors
+    /// [`DemError::Length`] when there is not one value per sphere.
+    pub fn by_number<T: Copy>(&self, in_storage_order: &[T]) -> Result<Vec<T>, DemError> {
+        require_length("in_storage_order", in_storage_order.len(), self.len())?;
+        Ok(self.numbered(in_storage_order))
+    }
+
+    /// [`Dem::by_number`] for arrays of the right length.
+    pub(crate) fn numbered<T: Copy>(&self, in_storage_order: &[T]) -> Vec<T> {
         self.place.iter().map(|&k| in_storage_order[k as usize]).collect()
     }
 

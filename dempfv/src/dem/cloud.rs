@@ -9,6 +9,9 @@ use super::rng::Rng;
 use super::walls::check_box;
 use crate::{Aabb, Vec3};
 
+/// Spheres are numbered in 32 bits, walls and one number for none behind them.
+const MOST_SPHERES: usize = u32::MAX as usize - 8;
+
 /// Places tried for a sphere before the cloud counts as full.
 const TRIES: usize = 20_000;
 
@@ -76,14 +79,22 @@ pub struct CloudSpec {
 /// ```
 pub fn random_cloud(spec: &CloudSpec) -> Result<Vec<(Vec3, f64)>, DemError> {
     check_box(&spec.box_)?;
+    let (mut cloud, mut radii) = (vec![], vec![]);
+    let has_room = spec.count <= MOST_SPHERES
+        && cloud.try_reserve_exact(spec.count).is_ok()
+        && radii.try_reserve_exact(spec.count).is_ok();
+    if !has_room {
+        let expected = "no more than 4,294,967,287, for which there is memory";
+        return Err(DemError::Parameter { name: "count", value: spec.count as f64, expected });
+    }
     let mut rng = Rng::new(spec.seed);
-    let mut radii = spec.sizes.draw(spec.count, &mut rng)?;
+    spec.sizes.draw(spec.count, &mut rng, &mut radii)?;
     rescale(&mut radii, spec)?;
+    radii.iter().try_for_each(|&r| positive("radius", r))?;
     radii.sort_by(|a, b| b.total_cmp(a));
     let Some(&largest) = radii.first() else { return Ok(Vec::new()) };
 
     let mut cells = Cells::new(&spec.box_, largest, spec.count);
-    let mut cloud: Vec<(Vec3, f64)> = Vec::with_capacity(spec.count);
     for &radius in &radii {
         let centre = find_room(&spec.box_, radius, &cloud, &cells, &mut rng).ok_or_else(|| {
             let solid: f64 = radii.iter().map(|r| sphere_volume(*r)).sum();
@@ -102,7 +113,7 @@ fn sphere_volume(radius: f64) -> f64 {
 
 impl SizeDistribution {
     /// Radii in no particular unit, to be scaled.
-    fn draw(&self, count: usize, rng: &mut Rng) -> Result<Vec<f64>, DemError> {
+    fn draw(&self, count: usize, rng: &mut Rng, radii: &mut Vec<f64>) -> Result<(), DemError> {
         match self {
             SizeDistribution::Uniform { spread } => {
                 if !(0.0..1.0).contains(spread) {
@@ -112,7 +123,7 @@ impl SizeDistribution {
                         expected: "from 0 to less than 1",
                     });
                 }
-                Ok((0..count).map(|_| 1.0 + spread * (2.0 * rng.uniform() - 1.0)).collect())
+                radii.extend((0..count).map(|_| 1.0 + spread * (2.0 * rng.uniform() - 1.0)));
             }
             SizeDistribution::List(list) => {
                 for &(radius, share) in list {
@@ -121,23 +132,22 @@ impl SizeDistribution {
                 }
                 let total: f64 = list.iter().map(|(_, share)| share).sum();
                 positive("sum of the shares", total)?;
-                Ok(whole_numbers(list, total, count))
+                whole_numbers(list, total, count, radii);
             }
         }
+        Ok(())
     }
 }
 
 /// Each radius as often as its share says: the sphere that brings the sum of
 /// the shares past a half, one and a half, ... gets the next number.
-fn whole_numbers(list: &[(f64, f64)], total: f64, count: usize) -> Vec<f64> {
-    let mut radii = Vec::with_capacity(count);
+fn whole_numbers(list: &[(f64, f64)], total: f64, count: usize, radii: &mut Vec<f64>) {
     let mut sum = 0.0;
     for &(radius, share) in list {
         sum += share;
         let until = ((sum / total * count as f64).round() as usize).min(count);
         radii.resize(until.max(radii.len()), radius);
     }
-    radii
 }
 
 fn rescale(radii: &mut [f64], spec: &CloudSpec) -> Result<(), DemError> {

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::DemError;
+use super::error::{DemError, require_length};
 use super::system::Dem;
 use super::wall_pairs::WallSum;
 use crate::{PerWall, Vec3};
@@ -37,9 +37,7 @@ impl Dem {
         let ContactForces { force, torque, walls } = forces;
         let expected = self.particles.len();
         for (what, found) in [("contact force", force.len()), ("contact torque", torque.len())] {
-            if found != expected {
-                return Err(DemError::Length { what, found, expected });
-            }
+            require_length(what, found, expected)?;
         }
         self.forces.force = force;
         self.forces.torque = torque;

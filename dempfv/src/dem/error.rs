@@ -90,6 +90,20 @@ pub enum DemError {
         /// Numbers that the law remembers per contact.
         length: usize,
     },
+    /// The box lies so far from the origin that the contacts of a particle have no digits.
+    #[error(
+        "particle {particle}: its radius is {radius:e} m, but in this box neighbouring coordinates are \
+         {spacing:.1e} m apart in double precision: its contacts would have lost their digits; move \
+         the box to the origin, or take a smaller box"
+    )]
+    LostDigits {
+        /// The user's number of the particle.
+        particle: u32,
+        /// Its radius (m).
+        radius: f64,
+        /// Distance between neighbouring numbers at the largest coordinate of the box (m).
+        spacing: f64,
+    },
     /// The centre of a particle lies beyond a wall.
     #[error("particle {particle}: its centre lies beyond the wall {wall}")]
     OutsideBox {
@@ -181,4 +195,13 @@ fn cause_of_leaving(radii: f64) -> &'static str {
     } else {
         "a force presses it through; the stiffness is too low for what acts on it"
     }
+}
+
+/// Refuses an array that has not one entry per particle.
+pub(super) fn require_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), DemError> {
+    if found == expected { Ok(()) } else { Err(DemError::Length { what, found, expected }) }
 }

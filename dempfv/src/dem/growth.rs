@@ -112,7 +112,8 @@ impl GrowthCompaction {
     }
 
     /// Fixes the time step (s); `None`: the largest that is safe, chosen anew
-    /// at each control step.
+    /// at each control step. The next control step refuses one that is not
+    /// positive.
     pub fn set_time_step(&mut self, dt: Option<f64>) {
         self.fixed_dt = dt;
     }
@@ -172,7 +173,7 @@ impl GrowthCompaction {
     fn control(&mut self, dem: &mut Dem) -> Result<(), DemError> {
         let goal = self.options.stress;
         let stress = dem.mean_wall_stress();
-        let unbalanced = dem.unbalanced_force(None);
+        let unbalanced = dem.force_ratio(None);
         let missing = (goal - stress) / goal;
         self.status.stress = stress;
         self.status.unbalanced = unbalanced;

@@ -63,6 +63,15 @@ pub(super) fn positive(name: &'static str, value: f64) -> Result<(), DemError> {
     }
 }
 
+/// Refuses what is infinite or no number.
+pub(super) fn finite(name: &'static str, value: f64) -> Result<(), DemError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(DemError::Parameter { name, value, expected: "finite" })
+    }
+}
+
 /// Refuses what is no friction angle.
 pub(super) fn check_friction(angle: f64) -> Result<(), DemError> {
     if (0.0..std::f64::consts::FRAC_PI_2).contains(&angle) {

@@ -1,5 +1,6 @@
 //! What can be measured: energy, momentum, stress, contact numbers.
 
+use super::error::{DemError, require_length};
 use super::system::Dem;
 use crate::{Vec3, WallId};
 
@@ -61,7 +62,23 @@ impl Dem {
     /// packing is from rest. Counts gravity and, where given, the fluid's
     /// force on each sphere (N), in storage order; not what
     /// [`Dem::add_force`] adds. Zero without contacts.
-    pub fn unbalanced_force(&self, fluid_force: Option<&[Vec3]>) -> f64 {
+    ///
+    /// # Errors
+    /// [`DemError::Length`] for a fluid force that is not one per sphere, and
+    /// [`DemError::NotFinite`].
+    pub fn unbalanced_force(&self, fluid_force: Option<&[Vec3]>) -> Result<f64, DemError> {
+        if let Some(force) = fluid_force {
+            require_length("fluid_force", force.len(), self.len())?;
+            if let Some(k) = force.iter().position(|f| !f.iter().all(|c| c.is_finite())) {
+                let particle = self.particles.id[k];
+                return Err(DemError::NotFinite { particle, quantity: "fluid_force" });
+            }
+        }
+        Ok(self.force_ratio(fluid_force))
+    }
+
+    /// [`Dem::unbalanced_force`] for a fluid force that is known to be right.
+    pub(crate) fn force_ratio(&self, fluid_force: Option<&[Vec3]>) -> f64 {
         let (sum, count) =
             self.contacts().fold((0.0, 0usize), |(s, n), c| (s + c.force().norm(), n + 1));
         if count == 0 || sum == 0.0 {

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::DemError;
+use super::error::{DemError, require_length};
 use super::hilbert::spatial_order;
 use super::material::Material;
-use crate::Vec3;
+use crate::{Aabb, Vec3};
 
 /// The spheres: one entry per sphere in every array.
 ///
@@ -33,8 +33,8 @@ pub struct Particles {
 
 impl Particles {
     /// Spheres at rest, numbered in the order given, with the mass that their
-    /// `radius` (m) and `density` (kg/m³) give. The lengths of the two arrays
-    /// are compared when a [`super::Dem`] is made of them.
+    /// `radius` (m) and `density` (kg/m³) give. Lengths and values are checked
+    /// when a [`super::Dem`] is made of them.
     pub fn new(position: Vec<Vec3>, radius: Vec<f64>, density: f64) -> Particles {
         let n = position.len();
         Particles {
@@ -106,7 +106,16 @@ impl Particles {
     /// Puts the spheres in an order in which neighbours in space are near in
     /// memory (a Hilbert curve). Returns where each came from: entry k is the
     /// former index of the sphere that is now k-th. `id` follows.
-    pub fn sort_spatially(&mut self) -> Vec<u32> {
+    ///
+    /// # Errors
+    /// As [`Dem::new`](super::Dem::new) for spheres that no `Dem` can be made of.
+    pub fn sort_spatially(&mut self) -> Result<Vec<u32>, DemError> {
+        self.check()?;
+        Ok(self.put_in_order())
+    }
+
+    /// [`Particles::sort_spatially`] for spheres that have been checked.
+    pub(super) fn put_in_order(&mut self) -> Vec<u32> {
         let from = spatial_order(&self.position);
         permute(&mut self.id, &from);
         permute(&mut self.position, &from);
@@ -130,9 +139,7 @@ impl Particles {
             ("radius", self.radius.len()),
             ("mass", self.mass.len()),
         ] {
-            if found != expected {
-                return Err(DemError::Length { what, found, expected });
-            }
+            require_length(what, found, expected)?;
         }
         let mut seen = vec![false; expected];
         for &number in &self.id {
@@ -160,7 +167,23 @@ impl Particles {
         }
         Ok(())
     }
+
+    /// Refuses a box whose coordinates have no digits left for the contacts of the smallest
+    /// sphere.
+    pub(super) fn check_digits(&self, box_: &Aabb) -> Result<(), DemError> {
+        let spacing = box_.spacing();
+        match self.radius.iter().position(|r| spacing > SPACING_PER_RADIUS * r) {
+            None => Ok(()),
+            Some(i) => {
+                let (particle, radius) = (self.id[i], self.radius[i]);
+                Err(DemError::LostDigits { particle, radius, spacing })
+            }
+        }
+    }
 }
+
+/// Overlaps are a ten thousandth of a radius and less, of which this leaves three digits.
+const SPACING_PER_RADIUS: f64 = 1e-7;
 
 /// Volume of a sphere (m³).
 fn volume(radius: f64) -> f64 {

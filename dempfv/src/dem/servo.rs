@@ -59,11 +59,7 @@ impl ServoLoad {
     /// The force that the shift should take off a wall on a fluid of this resistance over the time
     /// step (N/m).
     fn expected(&self, per_shift: f64) -> f64 {
-        if per_shift > 0.0 {
-            self.excess + per_shift / (self.stiffness + per_shift) * self.drift
-        } else {
-            self.excess
-        }
+        self.excess + wet_share(per_shift, self.stiffness + per_shift) * self.drift
     }
 
     /// The drift after a step with this shift, where `wanted` is the force wanted (N).
@@ -92,6 +88,16 @@ impl ServoLoad {
     }
 }
 
+/// Share of the fluid, with so much force per shift, in the whole stiffness (N/m).
+fn wet_share(per_shift: f64, whole: f64) -> f64 {
+    match per_shift {
+        // A step so short that the fluid is all that there is.
+        f64::INFINITY => 1.0,
+        per_shift if per_shift > 0.0 => per_shift / whole,
+        _ => 0.0,
+    }
+}
+
 /// The shift of a wall that no other moves with.
 fn alone(load: ServoLoad, resistance: f64, dt: f64) -> f64 {
     let (excess, previous) = (load.expected(resistance / dt), load.previous);
@@ -106,7 +112,7 @@ fn alone(load: ServoLoad, resistance: f64, dt: f64) -> f64 {
     });
     // A fluid holds the force up while the wall moves on, so of its
     // share the previous shift is kept and nothing is damped.
-    let wet = if resistance > 0.0 { resistance / dt / stiffness } else { 0.0 };
+    let wet = wet_share(resistance / dt, stiffness);
     let damping = (1.0 - wet) * SERVO_DAMPING;
     let memory = load.memory() + wet * (1.0 - load.memory());
     let shift = (1.0 - damping) * wanted + memory * previous;

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
+use super::material::{finite, positive};
 use super::particles::Particles;
-use super::walls::Wall;
+use super::walls::{Wall, box_of, check_box};
 use crate::{PerWall, WallId};
 
 /// What contacts remember.
@@ -65,10 +66,24 @@ impl<T: Copy + Ord> ContactHistory<T> {
 }
 
 impl DemState {
+    /// Checks all but the histories' lengths and bodies, which depend on the law.
+    pub(super) fn check(&self) -> Result<(), DemError> {
+        let box_ = box_of(&self.walls);
+        check_box(&box_)?;
+        self.walls.values().try_for_each(Wall::check)?;
+        self.particles.check()?;
+        self.particles.check_digits(&box_)?;
+        if self.pending_dt != 0.0 {
+            positive("pending_dt", self.pending_dt)?;
+        }
+        let histories = self.sphere_history.numbers.iter().chain(&self.wall_history.numbers);
+        histories.copied().try_for_each(|number| finite("contact history", number))
+    }
+
     /// Puts the spheres in spatial order and the histories of `length` numbers
     /// with them; `reverse` is the law's where two bodies change places.
     pub(super) fn sort_spatially(&mut self, length: usize, reverse: impl Fn(&mut [f64])) {
-        let from = self.particles.sort_spatially();
+        let from = self.particles.put_in_order();
         let mut to = vec![0u32; from.len()];
         for (k, &i) in (0u32..).zip(&from) {
             to[i as usize] = k;

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::compiled::{CompiledLaw, compile};
 use super::damping::LocalDamping;
-use super::error::DemError;
+use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
 use super::integrate::{Loads, Step, advance};
 use super::law::{ContactLaw, Linear, Needs};
-use super::material::{Material, WallMaterial, check_friction, positive};
+use super::material::{Material, WallMaterial, check_friction, finite, positive};
 use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
@@ -162,9 +162,8 @@ impl Dem {
         options: DemOptions,
     ) -> Result<Dem, DemError> {
         options.check()?;
-        state.particles.check()?;
+        state.check()?;
         state.particles.check_materials(materials.len())?;
-        check_box(&box_of(&state.walls))?;
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
         let DemState { particles, walls, pending_dt, .. } = state;
@@ -295,8 +294,9 @@ impl Dem {
     /// # Errors
     /// [`DemError::NotFinite`] names a particle whose force or motion is not
     /// finite; the state is then spoilt. [`DemError::WallsMet`],
-    /// [`DemError::Parameter`] for a time step that is not positive,
-    /// [`DemError::Length`] for a fluid force of another length.
+    /// [`DemError::Parameter`] for a time step that is not positive or a fluid
+    /// force on a wall that is not finite, [`DemError::Length`] for a fluid
+    /// force of another length.
     pub fn integrate(
         &mut self,
         dt: f64,
@@ -304,10 +304,11 @@ impl Dem {
         fluid_wall_force: Option<&PerWall<Vec3>>,
     ) -> Result<(), DemError> {
         positive("time step", dt)?;
-        let expected = self.particles.len();
-        if let Some(found) = fluid_force.map(<[Vec3]>::len).filter(|&n| n != expected) {
-            return Err(DemError::Length { what: "fluid force", found, expected });
+        if let Some(force) = fluid_force {
+            require_length("fluid force", force.len(), self.particles.len())?;
         }
+        let on_walls = fluid_wall_force.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
+        on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         self.move_walls(dt, fluid_wall_force)?;
         let turned = self.law.needs() == Needs::Torques || self.external.turns();
         let step = Step {
@@ -461,8 +462,14 @@ impl Dem {
     /// Tells what the fluid takes off the outward force on each wall per outward velocity of
     /// each other (N·s/m): `resistance[a][b]` is that on wall `a` when `b` moves; 0 between dry
     /// walls. Servo walls count on it in the next steps, jointly; it is no part of the state.
-    pub fn set_wall_resistance(&mut self, resistance: WallResistance) {
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for a resistance that is not finite.
+    pub fn set_wall_resistance(&mut self, resistance: WallResistance) -> Result<(), DemError> {
+        let each = resistance.values().flat_map(PerWall::values).copied();
+        each.into_iter().try_for_each(|r| finite("wall resistance", r))?;
         self.wall_resistance = resistance;
+        Ok(())
     }
 
     /// Changes the friction angle between spheres (rad), whatever their material.
@@ -499,11 +506,17 @@ impl Dem {
     /// Multiplies all radii by `factor` and all masses by its cube.
     ///
     /// # Errors
-    /// [`DemError::Parameter`] for a factor that is not positive.
+    /// [`DemError::Parameter`] for a factor that is not positive, or that makes
+    /// a radius or a mass too large or too small for double precision.
     pub fn scale_radii(&mut self, factor: f64) -> Result<(), DemError> {
         positive("radius factor", factor)?;
         let mass_factor = factor.powi(3);
         let p = &mut self.particles;
+        let stays = |values: &[f64], factor: f64| values.iter().all(|v| (v * factor).is_normal());
+        if !(stays(&p.radius, factor) && stays(&p.mass, mass_factor)) {
+            let expected = "so near to 1 that radii and masses remain positive and finite";
+            return Err(DemError::Parameter { name: "radius factor", value: factor, expected });
+        }
         for ((r, m), c) in p.radius.iter_mut().zip(&mut p.mass).zip(&mut self.centre) {
             *r *= factor;
             *m *= mass_factor;
@@ -517,9 +530,8 @@ impl Dem {
 impl DemOptions {
     fn check(&self) -> Result<(), DemError> {
         LocalDamping::new(self.damping)?;
-        if let Some(bad) = self.gravity.iter().flat_map(|g| g.iter()).find(|c| !c.is_finite()) {
-            return Err(DemError::Parameter { name: "gravity", value: *bad, expected: "finite" });
-        }
+        let gravity = self.gravity.iter().flat_map(|g| g.iter()).copied();
+        gravity.into_iter().try_for_each(|g| finite("gravity", g))?;
         positive("skin", self.skin)
     }
 }

@@ -6,6 +6,7 @@ use super::compiled::{Surfaces, Touch};
 use super::contacts::Other;
 use super::error::DemError;
 use super::law::TwoSpheres;
+use super::material::positive;
 use super::stiffness_sum::StiffnessSum;
 use super::system::Dem;
 use crate::Vec3;
@@ -21,13 +22,18 @@ const MOST_STEPS_BETWEEN_LOOKS: u64 = 50;
 /// Steps that a collision takes at least, where nothing damps it.
 const STEPS_PER_COLLISION: f64 = 16.0;
 
+/// A share that makes sense; of others nothing may pass for a time step.
+fn share(safety: f64) -> f64 {
+    if safety > 0.0 { safety } else { f64::NAN }
+}
+
 impl Dem {
     /// The largest time step (s) at which the contacts are stable, times
     /// `safety`: √2 min over spheres of √(m/k) and √(I/k_r), with k
     /// the largest eigenvalue of the sum over the sphere's contacts of
     /// k_s 1 + (k_n − k_s) n⊗n, and k_r that of k_s r² (1 − n⊗n). `None`
-    /// without contacts. One pass over the contacts; allocates in the first
-    /// call only.
+    /// without contacts; not a number where `safety` is not positive. One pass over the
+    /// contacts; allocates in the first call only.
     pub fn contact_time_step(&mut self, safety: f64) -> Option<f64> {
         let mut sums = std::mem::take(&mut self.stiffness);
         sums.resize(self.particles.len(), StiffnessSum::default());
@@ -50,12 +56,12 @@ impl Dem {
             }
         }
         self.stiffness = sums;
-        (fastest > 0.0).then(|| safety * (2.0 / fastest).sqrt())
+        (fastest > 0.0).then(|| share(safety) * (2.0 / fastest).sqrt())
     }
 
     /// [`Dem::contact_time_step`], or that of the lightest sphere with a
     /// single contact where it is less (s), times `safety`; infinite where
-    /// there is no sphere.
+    /// there is no sphere, and not a number where `safety` is not positive.
     ///
     /// It knows the contacts of the last [`Dem::compute_contacts`] only, of
     /// which a new `Dem` has none. A sphere that comes to be held by several
@@ -63,7 +69,7 @@ impl Dem {
     /// [`Dem::step_auto`] do so. A step taken once, before the packing is
     /// dense, may make an unstable run that no error reports.
     pub fn safe_time_step(&mut self, safety: f64) -> f64 {
-        let lone = safety * (2.0 / self.lone_frequency2()).sqrt();
+        let lone = share(safety) * (2.0 / self.lone_frequency2()).sqrt();
         self.contact_time_step(safety).map_or(lone, |dt| dt.min(lone))
     }
 
@@ -109,6 +115,7 @@ impl Dem {
     /// As [`Dem::step`]; [`DemError::Parameter`] where `safety` is not
     /// positive or there is no sphere to take a time step from.
     pub fn step_auto(&mut self, safety: f64) -> Result<f64, DemError> {
+        positive("safety", safety)?;
         self.compute_contacts()?;
         let dt = match self.options.damping {
             0.0 => self.safe_time_step(safety).min(self.collision_time_step()),
@@ -120,6 +127,7 @@ impl Dem {
 
     /// Steps of length `dt` (s) in which no two surfaces come nearer by more than half a percent of
     /// the smallest radius: contacts that begin are slight when the time step is looked at next.
+    /// None where `dt` is not positive.
     pub fn steps_between_looks(&self, dt: f64) -> u64 {
         let p = &self.particles;
         let spheres = p.velocity.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt();

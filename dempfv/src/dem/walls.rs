@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
-use super::material::positive;
+use super::material::{finite, positive};
 use super::servo::ServoLoad;
 use crate::{Aabb, PerWall, WallId};
 
@@ -38,13 +38,6 @@ pub enum WallControl {
 
 impl WallControl {
     pub(super) fn check(&self) -> Result<(), DemError> {
-        let finite = |name, value: f64| {
-            if value.is_finite() {
-                Ok(())
-            } else {
-                Err(DemError::Parameter { name, value, expected: "finite" })
-            }
-        };
         match *self {
             WallControl::Fixed => Ok(()),
             WallControl::Velocity(v) => finite("wall velocity", v),
@@ -166,6 +159,15 @@ impl Wall {
         self.previous_shift = shift;
         self.touched = touched;
         self.drift = load.next_drift(shift, stress * area, wet);
+    }
+
+    /// Refuses numbers that no step leaves.
+    pub(super) fn check(&self) -> Result<(), DemError> {
+        finite("wall velocity", self.velocity)?;
+        finite("wall displacement", self.displacement)?;
+        finite("wall shift", self.previous_shift)?;
+        finite("wall drift", self.drift)?;
+        self.control.check()
     }
 
     /// Changes the control; a servo starts without memory.

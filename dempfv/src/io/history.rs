@@ -77,8 +77,15 @@ impl History {
     /// its unit where it has one (`time_s`, `wall_stress_y_max_pa`).
     ///
     /// # Errors
-    /// [`IoError::File`] when the file cannot be written.
+    /// [`IoError::File`] when the file cannot be written; [`InputError`] for
+    /// names that would tear the header apart.
     pub fn create(path: &Path, columns: &[&str]) -> Result<History> {
+        let torn = |name: &&str| name.is_empty() || name.contains([',', '"', '\n', '\r']);
+        if columns.is_empty() || columns.iter().any(torn) {
+            let what = format!("`columns` {columns:?} make no header");
+            let remedy = "give one name or more, without commas, quotes and line breaks";
+            return Err(InputError::new(what, remedy).into());
+        }
         let head = header(columns);
         // Whoever is killed in between leaves no table without a header.
         atomic::write(path, &head)?;

@@ -66,8 +66,10 @@ pub fn read_vector(path: &Path, n: usize) -> Result<Vec<f64>> {
 /// same bits.
 ///
 /// # Errors
-/// [`IoError::File`] if the file cannot be written.
+/// [`IoError::File`] if the file cannot be written; an [`InputError`] for a matrix that is none
+/// ([`SymmetricCsc::validate`]).
 pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
+    a.validate().map_err(|e| InputError::new(format!("no matrix to write: {e}"), ""))?;
     atomic::write_with(path, |file| {
         writeln!(file, "%%MatrixMarket matrix coordinate real symmetric")?;
         writeln!(file, "{} {} {}", a.n, a.n, a.nnz())?;
@@ -84,8 +86,18 @@ pub fn write_matrix(path: &Path, a: &SymmetricCsc) -> Result<()> {
 /// bits.
 ///
 /// # Errors
-/// [`IoError::File`] if the file cannot be written.
+/// [`IoError::File`] if the file cannot be written; an [`InputError`] for a vector that is empty
+/// or has an entry that is not finite, which would not read back.
 pub fn write_vector(path: &Path, vector: &[f64]) -> Result<()> {
+    if vector.is_empty() {
+        return Err(
+            InputError::new("the vector to write is empty", "give one entry or more").into()
+        );
+    }
+    if let Some(k) = vector.iter().position(|v| !v.is_finite()) {
+        let what = format!("entry {k} of the vector to write is {}", vector[k]);
+        return Err(InputError::new(what, "give finite numbers").into());
+    }
     atomic::write_with(path, |file| {
         writeln!(file, "%%MatrixMarket matrix array real general")?;
         writeln!(file, "{} 1", vector.len())?;

@@ -143,18 +143,29 @@ impl Packing {
     /// ```
     ///
     /// # Errors
-    /// A number of copies is 0, or there are more spheres than fit 32-bit numbers.
+    /// A number of copies is 0, there are more spheres than fit 32-bit numbers or memory, the
+    /// copies reach beyond double precision, or the packing is none ([`write`] has the rules).
     pub fn tiled(&self, copies: [u32; 3]) -> Result<Packing, InputError> {
+        check(&self.position, &self.radius, self.bounds.as_ref())?;
         let count =
             copies.iter().map(|&n| u64::from(n)).try_fold(self.len() as u64, u64::checked_mul);
         let [nx, ny, nz] = copies;
         let (Some(1..=TOO_MANY), Some(bounds)) = (count, self.bounds_or_tight()) else {
-            let what =
-                format!("{nx} × {ny} × {nz} copies of {} spheres make no packing", self.len());
-            return Err(InputError::new(what, format!("give one sphere to {TOO_MANY} in all")));
+            return Err(self.no_tiling(copies, &format!("give one sphere to {TOO_MANY} in all")));
         };
         let mut tiled = Packing::default();
         let size = bounds.size();
+        let high = bounds.min + size.component_mul(&Vec3::from(copies.map(f64::from)));
+        if !high.iter().all(|x| x.is_finite()) {
+            return Err(self.no_tiling(copies, "give a smaller box, or another unit of length"));
+        }
+        let total = count.unwrap_or_default() as usize;
+        let reserved = tiled.position.try_reserve_exact(total).is_ok()
+            && tiled.radius.try_reserve_exact(total).is_ok()
+            && tiled.line.try_reserve_exact(total).is_ok();
+        if !reserved {
+            return Err(self.no_tiling(copies, "there is no memory for so many; give fewer copies"));
+        }
         for (i, j, k) in
             (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j, k))))
         {
@@ -163,10 +174,14 @@ impl Packing {
             tiled.radius.extend(&self.radius);
             tiled.line.extend(&self.line);
         }
-        let copies = Vec3::new(nx.into(), ny.into(), nz.into());
-        tiled.bounds =
-            Some(Aabb { min: bounds.min, max: bounds.min + size.component_mul(&copies) });
+        tiled.bounds = Some(Aabb { min: bounds.min, max: high });
         Ok(tiled)
+    }
+
+    fn no_tiling(&self, [nx, ny, nz]: [u32; 3], remedy: &str) -> InputError {
+        let spheres = self.len();
+        let what = format!("{nx} × {ny} × {nz} copies of {spheres} spheres make no packing");
+        InputError::new(what, remedy)
     }
 }
 
@@ -281,7 +296,8 @@ fn is_box(word: &str) -> bool {
 ///
 /// # Errors
 /// [`IoError::File`](crate::io::IoError::File) when the file cannot be written; nothing partial
-/// remains.
+/// remains. An [`InputError`] for what would not read back: arrays of different lengths or
+/// without a sphere, numbers that are not finite, a radius that is not positive, an inverted box.
 pub fn write(
     path: &Path,
     position: &[Vec3],
@@ -289,7 +305,7 @@ pub fn write(
     bounds: Option<&Aabb>,
     comment: &str,
 ) -> Result<()> {
-    debug_assert_eq!(position.len(), radius.len());
+    check(position, radius, bounds)?;
     atomic::write_with(path, |out| write_to(out, position, radius, bounds, comment))
 }
 
@@ -313,6 +329,32 @@ fn write_to(
         writeln!(out, "{:?} {:?} {:?} {r:?}", x.x, x.y, x.z)?;
     }
     Ok(())
+}
+
+/// Refuses what is no packing, or would be none when it is read again.
+fn check(position: &[Vec3], radius: &[f64], bounds: Option<&Aabb>) -> Result<(), InputError> {
+    if position.is_empty() || position.len() != radius.len() {
+        let what =
+            format!("`position` has {} entries and `radius` {}", position.len(), radius.len());
+        return Err(InputError::new(what, "give one of each for every sphere, and one sphere"));
+    }
+    if let Some(i) = position.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
+        return Err(InputError::new(format!("`position` {i} is not finite"), "give numbers in m"));
+    }
+    if let Some(i) = radius.iter().position(|r| !(*r > 0.0 && r.is_finite())) {
+        let what = format!("`radius` {i} is {}", radius[i]);
+        return Err(InputError::new(what, "give a radius above 0 in m"));
+    }
+    let is_box =
+        |b: &Aabb| (0..3).all(|k| b.min[k] < b.max[k] && (b.max[k] - b.min[k]).is_finite());
+    match bounds.filter(|b| !is_box(b)) {
+        None => Ok(()),
+        Some(b) => {
+            let what =
+                format!("`bounds` from {} to {} is no box", b.min.transpose(), b.max.transpose());
+            Err(InputError::new(what, "give finite corners, the larger one last"))
+        }
+    }
 }
 
 /// Exactly `N` finite numbers.

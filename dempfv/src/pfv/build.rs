@@ -84,7 +84,7 @@ impl Assembled {
         for imposed in imposed {
             conditions.impose(&network, position, imposed)?;
         }
-        let operators = Operators::with_conditions(&network, derivatives, conditions);
+        let operators = Operators::assemble(&network, derivatives, conditions);
         let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         Ok(Assembled {
             network,

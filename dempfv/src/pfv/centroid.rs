@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::Network;
 use super::frame::{Frame, Vertex};
+use super::{Network, PfvError};
 use crate::{Aabb, Vec3, WallId};
 
 impl Network {
@@ -12,14 +12,15 @@ impl Network {
     /// power centre ([`Network::center`], from which conductances follow) may lie outside.
     /// Pores at walls reach to the walls. Not a number for a pore without volume.
     ///
-    /// # Panics
-    /// When `position` has fewer entries than the network has spheres.
-    pub fn centroids(&self, position: &[Vec3], bounds: &Aabb) -> Vec<Vec3> {
+    /// # Errors
+    /// As [`Network::volumes_at`].
+    pub fn centroids(&self, position: &[Vec3], bounds: &Aabb) -> Result<Vec<Vec3>, PfvError> {
+        self.check_vertices(position, bounds)?;
         // The centroid does not depend on the radii.
         let radius = vec![0.0; position.len()];
         let frame = Frame::new(position, &radius, bounds);
         let cells = self.tessellation.cells.par_iter();
-        cells.map(|&cell| bounds.min + centroid(&frame, cell)).collect()
+        Ok(cells.map(|&cell| bounds.min + centroid(&frame, cell)).collect())
     }
 }
 

@@ -62,9 +62,9 @@ impl Flow {
         let (operators, solver) = self.operators_and_solver();
         let DragScratch { volume_rate, pressure } = scratch;
         let mut wall_force = [Vec3::zeros(); 6];
-        operators.volume_rate(velocity, wall_velocity, volume_rate);
+        operators.evaluate_volume_rate(velocity, wall_velocity, volume_rate);
         if solver.respond(operators, volume_rate, pressure)? {
-            operators.forces(pressure, force, &mut wall_force);
+            operators.evaluate_forces(pressure, force, &mut wall_force);
         } else {
             force.fill(Vec3::zeros());
         }

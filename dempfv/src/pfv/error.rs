@@ -59,10 +59,11 @@ pub enum PfvError {
     /// There is nothing to triangulate.
     #[error("no spheres: a pore network needs at least one")]
     NoSpheres,
-    /// A pore lies between opposite walls or has no sphere, which happens only
-    /// when spheres lie outside the box.
+    /// A pore lies between opposite walls or has no sphere, which happens where spheres are
+    /// many times farther from each other than the walls.
     #[error(
-        "pore {pore} (vertices {vertices}) has no place between sphere and walls: are all spheres inside the box?"
+        "pore {pore} (vertices {vertices}) has no place between sphere and walls: two walls face each \
+         other with no sphere between; fill the box with more spheres, or take one that is not so flat"
     )]
     BadPore {
         /// The pore.

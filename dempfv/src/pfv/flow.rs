@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
+use super::packing_check::{check_tolerance, require_finite, require_length};
 use super::pressure_solver::{PressureProblem, PressureSolver};
 use super::terms::{FluidTerm, PoreSource, Sources, Terms};
 use super::{
@@ -98,7 +99,7 @@ impl Flow {
         let FlowParts { network, operators, factor, backend, radius, fluid, imposed, .. } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
         let mut pressure = vec![0.0; pores];
-        operators.pressures(&vec![0.0; unknowns], &mut pressure);
+        operators.evaluate_pressures(&vec![0.0; unknowns], &mut pressure);
         Flow {
             fluid,
             imposed,
@@ -140,7 +141,7 @@ impl Flow {
         self.extrapolation.restart();
         self.solver.statistics.solved = false;
         from.write(&self.network, &self.operators, &mut self.extrapolation.now);
-        self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
+        self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
     }
 
     /// The network.
@@ -192,10 +193,7 @@ impl Flow {
     /// [`PfvError::Solver`] when a solve fails or the first residual after a factorization is
     /// too large; [`PfvError::PressureNotFinite`].
     pub fn solve(&mut self, velocity: &[Vec3], wall_velocity: &[f64; 6]) -> Result<(), PfvError> {
-        let finite = |v: &Vec3| v.iter().all(|v| v.is_finite());
-        if let Some(index) = velocity.iter().position(|v| !finite(v)) {
-            return Err(PfvError::invalid("velocity", index, "is not finite"));
-        }
+        require_finite("velocity", velocity)?;
         if let Some(index) = wall_velocity.iter().position(|v| !v.is_finite()) {
             return Err(PfvError::invalid("wall_velocity", index, "is not finite"));
         }
@@ -216,7 +214,7 @@ impl Flow {
         Ok(())
     }
 
-    /// First third of [`Flow::solve`]: `V̇ = E v`.
+    /// First third of [`Flow::solve`]: `V̇ = E v`. What is not finite is refused by the second.
     ///
     /// # Errors
     /// [`PfvError::InvalidInput`] when there is not one velocity per sphere.
@@ -226,7 +224,7 @@ impl Flow {
         wall_velocity: &[f64; 6],
     ) -> Result<(), PfvError> {
         self.require_one_per_sphere("velocity", velocity.len())?;
-        self.operators.volume_rate(velocity, wall_velocity, &mut self.volume_rate);
+        self.operators.evaluate_volume_rate(velocity, wall_velocity, &mut self.volume_rate);
         Ok(())
     }
 
@@ -266,8 +264,10 @@ impl Flow {
     /// to no end.
     ///
     /// # Errors
-    /// When an application fails, or a pressure is not finite.
+    /// When an application fails, or a pressure is not finite; [`PfvError::InvalidInput`] for a
+    /// tolerance that is not between 0 and 1.
     pub fn iterate(&mut self, tolerance: f64) -> Result<Iterations, PfvError> {
+        check_tolerance(tolerance)?;
         let Flow {
             network,
             operators,
@@ -288,7 +288,7 @@ impl Flow {
 
     /// Last third of [`Flow::solve`]: `f = F p`.
     pub fn update_force(&mut self) {
-        self.operators.forces(&self.pressure, &mut self.force, &mut self.wall_force);
+        self.operators.evaluate_forces(&self.pressure, &mut self.force, &mut self.wall_force);
     }
 
     /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
@@ -298,13 +298,13 @@ impl Flow {
     /// call only.
     ///
     /// # Errors
-    /// [`PfvError::InvalidInput`] when there is not one position per sphere.
+    /// As [`Network::volumes_at`].
     pub fn update_geometry(
         &mut self,
         position: &[Vec3],
         bounds: &Aabb,
     ) -> Result<GeometryDegradation, PfvError> {
-        self.require_one_per_sphere("position", position.len())?;
+        self.network.check_vertices(position, bounds)?;
         let Flow { network, operators, geometry, radius, fluid, .. } = self;
         let geometry =
             geometry.get_or_insert_with(|| Box::new(GeometryUpdate::new(network, operators)));
@@ -312,19 +312,19 @@ impl Flow {
     }
 
     fn require_one_per_sphere(&self, argument: &'static str, found: usize) -> Result<(), PfvError> {
-        let spheres = self.radius.len();
-        if found == spheres {
-            return Ok(());
-        }
-        let problem = format!("has {found} entries for {spheres} spheres");
-        Err(PfvError::InvalidInput { argument, index: None, problem })
+        require_length(argument, found, self.radius.len(), "spheres")
     }
 
     /// Sets what a solve may leave: of the imbalance of fluid mass (relative to
     /// what flows), and of the estimated error of the pressures (relative to the
     /// largest). At first 1e-11. A larger one may spare a second solve per step.
-    pub fn set_tolerance(&mut self, tolerance: f64) {
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] for one that is not between 0 and 1.
+    pub fn set_tolerance(&mut self, tolerance: f64) -> Result<(), PfvError> {
+        check_tolerance(tolerance)?;
         self.solver.tolerance = tolerance;
+        Ok(())
     }
 
     /// What a solve may leave ([`Flow::set_tolerance`]).
@@ -341,17 +341,28 @@ impl Flow {
     /// Goes on from the pressures of an earlier flow through the same network,
     /// so that the next solve has the same bits; fluxes are those of pores that
     /// grow at the rates given (m³/s). Values of another number of pores are
-    /// ignored.
-    pub fn restore_pressures(&mut self, extrapolation: &Extrapolation, volume_rate: &[f64]) {
+    /// ignored: where another condition was imposed in between, there are none.
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] for a rate that is not finite.
+    pub fn restore_pressures(
+        &mut self,
+        extrapolation: &Extrapolation,
+        volume_rate: &[f64],
+    ) -> Result<(), PfvError> {
+        if let Some(index) = volume_rate.iter().position(|v| !v.is_finite()) {
+            return Err(PfvError::invalid("volume_rate", index, "is not finite"));
+        }
         if volume_rate.len() == self.volume_rate.len() {
             self.volume_rate.copy_from_slice(volume_rate);
         }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
             self.solver.statistics.solved = self.extrapolation.is_solution();
-            self.operators.pressures(&self.extrapolation.now, &mut self.pressure);
+            self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
             self.update_force();
         }
+        Ok(())
     }
 
     /// Forgets what is known of the last solver's corrections: the restored pressures are those
@@ -460,14 +471,16 @@ impl Flow {
 
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self) -> [f64; 6] {
-        self.operators.flux(&self.pressure, self.demand())
+        let mut flux = [0.0; 6];
+        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
+        flux
     }
 
     /// Flux from the pores of each of [`Flow::imposed_pressures`], positive into the box
     /// (m³/s).
     pub fn imposed_flux(&self) -> Vec<f64> {
         let mut flux = vec![0.0; self.operators.conditions().sets()];
-        self.operators.write_flux(&self.pressure, self.demand(), &mut flux);
+        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
         flux.truncate(self.operators.conditions().imposed_sets());
         flux.split_off(6)
     }

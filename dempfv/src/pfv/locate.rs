@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::{NONE, Tessellation};
+use super::packing_check::require_length;
+use super::{NONE, PfvError, Tessellation};
 use crate::{Vec3, WallId};
 
 impl Tessellation {
@@ -12,7 +13,11 @@ impl Tessellation {
     /// Looks at every cell.
     ///
     /// A point on a facet belongs to one of the cells there, the same every time.
-    pub fn locate(&self, position: &[Vec3], point: &Vec3) -> u32 {
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] when there is not one position per sphere.
+    pub fn locate(&self, position: &[Vec3], point: &Vec3) -> Result<u32, PfvError> {
+        require_length("position", position.len(), self.spheres, "spheres")?;
         let mut found = (NONE, f64::NEG_INFINITY);
         for (cell, number) in self.cells.iter().zip(0u32..) {
             if !self.is_near(cell, position, point) {
@@ -23,7 +28,7 @@ impl Tessellation {
                 found = (number, depth);
             }
         }
-        found.0
+        Ok(found.0)
     }
 
     /// Whether a point lies in the box around a cell, which reaches to infinity beyond the

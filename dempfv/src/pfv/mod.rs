@@ -28,6 +28,7 @@ mod lanes;
 mod locate;
 mod network;
 mod open_area;
+mod operator_products;
 mod operators;
 mod packing_check;
 mod pore;
@@ -44,6 +45,8 @@ mod throat;
 mod throat_batch;
 mod transfer;
 mod viscous;
+
+pub(crate) use packing_check::check_tolerance;
 
 pub use crate::solver::Iterations;
 pub use boundary::Boundary;

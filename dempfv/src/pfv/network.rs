@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
-use super::packing_check::check_packing;
+use super::packing_check::{check_box, check_packing, require_finite, require_length};
 use super::pore::Pore;
 use super::pore_batch::PoreBatch;
 use super::throat::{Throat, ThroatLimit, ThroatRules, throat};
@@ -70,7 +70,8 @@ impl Network {
     /// # Errors
     /// [`PfvError::InvalidInput`] names the argument that cannot be right, and which of its
     /// entries: arrays of different lengths, a centre outside the box, a radius or
-    /// viscosity that is not positive, an inverted box, and whatever is not finite. Further when
+    /// viscosity that is not positive, an inverted box, radii that have no digits in a box so far
+    /// from the origin or are a thousand times the box, and whatever is not finite. Further when
     /// there is no sphere, the triangulation fails, or a pore's geometry or conductance is not
     /// finite.
     pub fn new(
@@ -117,26 +118,41 @@ impl Network {
     }
 
     /// Whether spheres fill a pore, so that there is no fluid in it: they close its throats and
-    /// cover its centre.
+    /// cover its centre. False for a number that no pore has.
     pub fn is_filled(&self, pore: usize) -> bool {
-        self.filled.binary_search(&(pore as u32)).is_ok()
+        u32::try_from(pore).is_ok_and(|pore| self.filled.binary_search(&pore).is_ok())
     }
 
     /// Volumes (m³) of the same cells when the vertices have moved to
     /// `position` and the walls to `bounds`: the tessellation is kept.
-    pub fn volumes_at(&self, position: &[Vec3], bounds: &Aabb) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] for positions that are not one per sphere or not finite, and
+    /// for an inverted box.
+    pub fn volumes_at(&self, position: &[Vec3], bounds: &Aabb) -> Result<Vec<f64>, PfvError> {
+        self.check_vertices(position, bounds)?;
         // The volume does not depend on the radii.
         let radius = vec![0.0; position.len()];
         let frame = Frame::new(position, &radius, bounds);
         let cells = &self.tessellation.cells;
-        cells
+        Ok(cells
             .par_iter()
             .map(|&cell| Pore::new(&frame, cell).map_or(f64::NAN, |p| p.volume))
-            .collect()
+            .collect())
+    }
+
+    /// Refuses what the vertices of this network cannot have moved to.
+    pub(super) fn check_vertices(&self, position: &[Vec3], bounds: &Aabb) -> Result<(), PfvError> {
+        require_length("position", position.len(), self.tessellation.spheres, "spheres")?;
+        require_finite("position", position)?;
+        check_box(bounds)
     }
 
     /// Conductance across the facet opposite each vertex of a pore; 0 where
     /// there is no throat.
+    ///
+    /// # Panics
+    /// For a number that no pore has, as an index beyond a slice does.
     pub fn conductances_of(&self, pore: usize) -> [f64; 4] {
         self.throat_of[pore]
             .map(|t| if t == NONE { 0.0 } else { self.throats.conductance[t as usize] })

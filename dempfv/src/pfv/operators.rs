@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::boundary_flux::BoundaryFlux;
-use super::{Boundary, Derivatives, NONE, Network, PoreConditions, SealedPores, Tessellation};
+use super::{Derivatives, NONE, Network, PoreConditions, SealedPores, Tessellation};
 use crate::Vec3;
 use crate::parallel::{TASK, for_each, in_tasks, parts, prefetch, runs};
 use crate::solver::SymmetricCsc;
@@ -147,15 +147,8 @@ impl Incidence {
 }
 
 impl Operators {
-    /// Builds the operators of a network from its derivatives, with conditions at walls.
-    pub fn new(network: &Network, derivatives: Derivatives, boundary: Boundary) -> Operators {
-        let conditions = PoreConditions::of_walls(network, &boundary);
-        Operators::with_conditions(network, derivatives, conditions)
-    }
-
-    /// Builds the operators of a network from its derivatives, with any conditions. Pores
-    /// without a path to an imposed pressure are found ([`Operators::sealed_pores`]).
-    pub fn with_conditions(
+    /// [`Operators::with_conditions`] of what is known to fit together.
+    pub(super) fn assemble(
         network: &Network,
         derivatives: Derivatives,
         mut conditions: PoreConditions,
@@ -195,6 +188,11 @@ impl Operators {
         self.pore_of.len()
     }
 
+    /// Number of spheres; rows of `F` are theirs and the walls'.
+    pub(super) fn spheres(&self) -> usize {
+        self.forces.pores.start.len() - 7
+    }
+
     /// The condition of each pore.
     pub fn conditions(&self) -> &PoreConditions {
         &self.conditions
@@ -205,14 +203,19 @@ impl Operators {
         &self.sealed
     }
 
-    /// Pressure imposed on a pore (Pa); `None` for a free one.
+    /// Pressure imposed on a pore (Pa); `None` for a free one, and for a number that no pore has.
     pub fn imposed(&self, pore: usize) -> Option<f64> {
         self.conditions.pressure_of(pore)
     }
 
     /// `V̇ = E v`: the rate at which each pore grows (m³/s), from the velocities
     /// of spheres and walls (m/s; a wall's along its axis).
-    pub fn volume_rate(&self, velocity: &[Vec3], wall_velocity: &[f64; 6], out: &mut [f64]) {
+    pub(super) fn evaluate_volume_rate(
+        &self,
+        velocity: &[Vec3],
+        wall_velocity: &[f64; 6],
+        out: &mut [f64],
+    ) {
         let spheres = velocity.len();
         let rate = |i: usize| {
             prefetch(&self.volume.gradient[i], PREFETCH_VECTORS / 4);
@@ -232,7 +235,7 @@ impl Operators {
     }
 
     /// Spreads the solution over all pores, imposed ones included (Pa).
-    pub fn pressures(&self, solution: &[f64], out: &mut [f64]) {
+    pub(super) fn evaluate_pressures(&self, solution: &[f64], out: &mut [f64]) {
         for_each(out, &|i, p| {
             *p = match self.unknown_of[i] {
                 NONE => self.imposed(i).unwrap_or(0.0),
@@ -242,7 +245,12 @@ impl Operators {
     }
 
     /// `f = F p`: the fluid's force on each sphere and each wall (N).
-    pub fn forces(&self, pressure: &[f64], spheres: &mut [Vec3], walls: &mut [Vec3; 6]) {
+    pub(super) fn evaluate_forces(
+        &self,
+        pressure: &[f64],
+        spheres: &mut [Vec3],
+        walls: &mut [Vec3; 6],
+    ) {
         let n = spheres.len();
         let row = |i: usize, f: &mut Vec3| *f = self.forces.row(i, pressure);
         in_tasks(spheres, SERIAL_ROWS, ROWS_PER_TASK, &row);
@@ -251,35 +259,18 @@ impl Operators {
         }
     }
 
-    /// Flux through each wall, positive into the box (m³/s).
-    pub fn flux(&self, pressure: &[f64], volume_rate: &[f64]) -> [f64; 6] {
-        let mut flux = [0.0; 6];
-        self.write_flux(pressure, volume_rate, &mut flux);
-        flux
-    }
-
     /// Writes the flux from each set of pores with an imposed pressure, positive into the box
     /// (m³/s): through the walls, then from the sets beside them
     /// ([`PoreConditions`]); as many as `flux` has room for.
-    pub fn write_flux(&self, pressure: &[f64], volume_rate: &[f64], flux: &mut [f64]) {
+    pub(super) fn evaluate_flux(&self, pressure: &[f64], volume_rate: &[f64], flux: &mut [f64]) {
         self.boundary_flux.write(pressure, volume_rate, flux);
-    }
-
-    /// What enters from all sets less what the pores swallow, over the
-    /// larger of the two (1): the flows from the sets without their signs,
-    /// or the sum of the volume rates. Where the rates nearly cancel, a
-    /// hundredth of their sum without signs counts. Zero when nothing flows.
-    pub fn imbalance(&self, pressure: &[f64], volume_rate: &[f64]) -> f64 {
-        let mut flux = vec![0.0; self.conditions.sets()];
-        self.write_flux(pressure, volume_rate, &mut flux);
-        NetVolumeRate::of(volume_rate).imbalance(&flux)
     }
 
     /// What each free pore gains through its throats less what it swallows
     /// (m³/s), throat by throat: the difference of pressures comes first, so
     /// that a wide throat between pores of nearly one pressure does not drown
     /// the narrow ones, as it does in the rows of the assembled matrix.
-    pub fn residual(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
+    pub(super) fn evaluate_residual(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
         for_each(out, &|u, residual| {
             let i = self.pore_of[u] as usize;
             let Stencil { pore, conductance } = self.stencil_of(u);

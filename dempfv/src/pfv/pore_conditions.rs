@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::packing_check::require_length;
 use super::{Boundary, NONE, Network, PfvError};
 use crate::{Vec3, WallId};
 
@@ -21,15 +22,19 @@ pub enum PoreSelection {
 
 impl PoreSelection {
     /// The numbers of the pores, of a network that was built of spheres at `position` (m).
-    pub(super) fn select(&self, network: &Network, position: &[Vec3]) -> Vec<u32> {
-        match self {
+    pub(super) fn select(
+        &self,
+        network: &Network,
+        position: &[Vec3],
+    ) -> Result<Vec<u32>, PfvError> {
+        Ok(match self {
             PoreSelection::Pores(numbers) => numbers.clone(),
             PoreSelection::Around { center, radius } => {
-                let centroids = network.centroids(position, &network.bounds);
+                let centroids = network.centroids(position, &network.bounds)?;
                 let near = |x: &Vec3| (x - center).norm() <= *radius;
                 (0u32..).zip(&centroids).filter(|(_, x)| near(x)).map(|(i, _)| i).collect()
             }
-        }
+        })
     }
 }
 
@@ -78,7 +83,9 @@ impl PoreConditions {
     ///
     /// # Errors
     /// [`PfvError::InvalidInput`] where the pressure is not finite, a pore has no such
-    /// number, none is selected, or a wall or an earlier call imposes another pressure on one.
+    /// number, none is selected, a wall or an earlier call imposes another pressure on one, the
+    /// positions are not one per sphere, or the network is another one than that of these
+    /// conditions. Nothing has changed then.
     pub fn impose(
         &mut self,
         network: &Network,
@@ -96,20 +103,23 @@ impl PoreConditions {
                 format!("{pressure} is not finite"),
             ));
         }
-        let selected = pores.select(network, position);
+        require_length("network", network.pores(), self.set_of.len(), "pores with a condition")?;
+        let selected = pores.select(network, position)?;
         if selected.is_empty() {
             let which = (set - 6) as usize;
             return Err(wrong("imposed pressure", Some(which), "selects no pore".to_owned()));
         }
-        for (k, &pore) in selected.iter().enumerate() {
-            let pores = self.set_of.len();
-            if pore as usize >= pores {
-                let problem = format!("pore {pore} of a network of {pores}");
-                return Err(wrong("selected pores", Some(k), problem));
-            }
+        let pores = self.set_of.len();
+        if let Some(k) = selected.iter().position(|&pore| pore as usize >= pores) {
+            let problem = format!("pore {} of a network of {pores}", selected[k]);
+            return Err(wrong("selected pores", Some(k), problem));
+        }
+        for &pore in &selected {
             if let Some(problem) = self.contradiction(pore, *pressure) {
                 return Err(wrong("imposed pressure", Some((set - 6) as usize), problem));
             }
+        }
+        for &pore in &selected {
             self.set_of[pore as usize] = set;
         }
         self.pressure.push(Some(*pressure));
@@ -160,9 +170,15 @@ impl PoreConditions {
         self.pressure.len()
     }
 
-    /// Set of a pore with an imposed pressure; `None` for a free one.
+    /// Number of pores.
+    pub(super) fn pores(&self) -> usize {
+        self.set_of.len()
+    }
+
+    /// Set of a pore with an imposed pressure; `None` for a free one, and for a number that no
+    /// pore has.
     pub fn set_of(&self, pore: usize) -> Option<usize> {
-        (self.set_of[pore] != FREE).then(|| self.set_of[pore] as usize)
+        self.set_of.get(pore).filter(|&&set| set != FREE).map(|&set| set as usize)
     }
 
     /// Wall that imposes the pressure of a pore; `None` for a free one, and where it was

@@ -96,7 +96,7 @@ impl PressureSolver {
         let net_rate = NetVolumeRate::of(demand);
         let gain_is_due = extrapolation.gain_is_due();
         let Some(factor) = self.factor.as_deref_mut() else {
-            operators.write_flux(pressure, demand, &mut self.flux);
+            operators.evaluate_flux(pressure, demand, &mut self.flux);
             self.statistics.imbalance = net_rate.imbalance(&self.flux);
             extrapolation.solved();
             check_finite(pressure)?;
@@ -157,7 +157,7 @@ impl PressureSolver {
         if let Some(factor) = self.factor.as_deref_mut() {
             extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
             self.scattered.resize(pressure.len(), 0.0);
-            operators.residual(pressure, demand, &mut self.rhs);
+            operators.evaluate_residual(pressure, demand, &mut self.rhs);
             let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
             let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
             let mut factor = AgedFactor { factor, weakened };
@@ -168,8 +168,8 @@ impl PressureSolver {
             })?;
         }
         extrapolation.solved();
-        operators.pressures(&extrapolation.now, pressure);
-        operators.write_flux(pressure, demand, &mut self.flux);
+        operators.evaluate_pressures(&extrapolation.now, pressure);
+        operators.evaluate_flux(pressure, demand, &mut self.flux);
         self.statistics.imbalance = NetVolumeRate::of(demand).imbalance(&self.flux);
         check_finite(pressure)?;
         self.statistics.solved = true;
@@ -230,7 +230,7 @@ struct RefinedPressures<'a> {
 impl Refinement for RefinedPressures<'_> {
     fn evaluate_residual(&mut self) {
         let PressureProblem { operators, demand, pressure, .. } = &self.problem;
-        operators.residual(pressure, demand, self.rhs);
+        operators.evaluate_residual(pressure, demand, self.rhs);
     }
 
     fn evaluate_correction(&mut self) -> Result<(), SolverError> {
@@ -250,7 +250,7 @@ impl Refinement for RefinedPressures<'_> {
         let Sizes { change, pressure: largest } =
             extrapolation.correct(self.correction, &operators.pore_of, pressure);
         self.largest = largest;
-        operators.write_flux(pressure, demand, self.flux);
+        operators.evaluate_flux(pressure, demand, self.flux);
         self.statistics.imbalance = self.net_rate.imbalance(self.flux);
         if round == 1 {
             extrapolation.observe_gain(change, self.last_change);

@@ -15,6 +15,14 @@ pub const NONE: u32 = u32::MAX;
 /// largest, cubes among them, both find the same cells.
 const WALL_RADIUS: f64 = 50_000.0;
 
+/// From this ratio of edges on the radius grows with the ratio: a sphere of that radius would bulge
+/// by the thickness of the box.
+const FLAT_BOX: f64 = 10.0;
+
+/// Most that the radius grows: a plane at the end of so long a radius is known to 4e-9 of the box's
+/// largest edge.
+const MOST_GROWTH: f64 = 500.0;
+
 /// The regular triangulation of spheres and walls: the finite tetrahedra.
 ///
 /// Vertices `0..n` are the spheres, `n..n + 6` the walls in the order of
@@ -69,7 +77,9 @@ impl Tessellation {
 }
 
 fn weighted_points(frame: &Frame) -> Vec<[f64; 4]> {
-    let big = WALL_RADIUS * frame.size.max();
+    let flatness = frame.size.max() / frame.size.min();
+    let growth = (flatness / FLAT_BOX).clamp(1.0, MOST_GROWTH);
+    let big = WALL_RADIUS * growth * frame.size.max();
     let middle = 0.5 * frame.size;
     let spheres = frame.x.iter().zip(frame.r).map(|(x, r)| [x.x, x.y, x.z, r * r]);
     let walls = WallId::ALL.map(|wall| {

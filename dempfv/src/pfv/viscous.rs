@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drag::DragScratch;
 use super::krylov::largest;
+use super::packing_check::{require_finite, require_length};
 use super::{Flow, PfvError};
 use crate::{PerWall, Vec3, WallId};
 
@@ -81,7 +82,9 @@ impl Flow {
     /// spheres feel V + V_sw R⁻¹ V_ws.
     ///
     /// # Errors
-    /// When a solve fails.
+    /// When a solve fails; [`PfvError::InvalidInput`] for masses that are not one per sphere or
+    /// not positive, a start that is not one finite vector per sphere, and a `negligible` rate
+    /// that is below zero.
     pub fn viscous_mode(
         &mut self,
         mass: &[f64],
@@ -89,7 +92,21 @@ impl Flow {
         start: Option<&[Vec3]>,
         negligible: f64,
     ) -> Result<Option<ViscousMode>, PfvError> {
-        if self.operators().unknowns() == 0 || mass.is_empty() {
+        let spheres = self.network().tessellation.spheres;
+        require_length("mass", mass.len(), spheres, "spheres")?;
+        if let Some(index) = mass.iter().position(|m| !(*m > 0.0 && m.is_finite())) {
+            let problem = format!("{} is not a positive mass", mass[index]);
+            return Err(PfvError::invalid("mass", index, problem));
+        }
+        if let Some(start) = start {
+            require_length("start", start.len(), spheres, "spheres")?;
+            require_finite("start", start)?;
+        }
+        if negligible.is_nan() || negligible < 0.0 {
+            let problem = format!("{negligible} is no rate; it must be 0 or more");
+            return Err(PfvError::InvalidInput { argument: "negligible", index: None, problem });
+        }
+        if self.operators().unknowns() == 0 {
             return Ok(None);
         }
         let mut scratch = DragScratch::new(self.network());

@@ -106,7 +106,7 @@ impl Keyed for Fluid {
         {
             self.tolerance = PRESSURE_ERROR;
         }
-        keys.take("tolerance", &number("", Bound::Positive), &mut self.tolerance)?;
+        keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
         let imposed = Maybe(number("Pa", Bound::Finite));
         keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure.0)?;
         match keys {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::wrong::Wrong;
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::input::InputError;
 use crate::io::packing::Packing;
@@ -29,7 +30,7 @@ pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb)
 }
 
 /// Checks the spheres of a packing: at least one, finite positions, positive radii, inside
-/// the box (the centre, and all but 40 % of a radius), no two in the same place.
+/// the box, which is one (the centre, and all but 40 % of a radius), no two in the same place.
 ///
 /// Positions and radii in m. Spheres are numbered from 0; `lines` are their lines in
 /// `file`, from 1, where both are known. Takes n log n time.
@@ -64,6 +65,10 @@ pub fn validate_packing(
     };
     if positions.is_empty() || positions.len() != radii.len() {
         return Err(place(count_fault(positions.len(), radii.len()), None));
+    }
+    if let Some(wrong) = box_wrong(bounds) {
+        let what = format!("`max` of the box {}", wrong.problem);
+        return Err(place(InputError::new(what, wrong.remedy), None));
     }
     for (i, (x, &r)) in positions.iter().zip(radii).enumerate() {
         check_sphere(i, x, r, bounds).map_err(|e| place(e, Some(i)))?;
@@ -130,6 +135,24 @@ fn check_sphere(i: usize, x: &Vec3, r: f64, bounds: &Aabb) -> Result<(), InputEr
         }
     }
     Ok(())
+}
+
+/// What is wrong with a box.
+pub(super) fn box_wrong(bounds: &Aabb) -> Option<Wrong> {
+    let Aabb { min, max } = bounds;
+    let finite = min.iter().chain(max.iter()).all(|x| x.is_finite());
+    if !finite {
+        return Some(Wrong::new("or `min` is not finite", "give finite numbers in m"));
+    }
+    let Some(axis) = (0..3).find(|&a| min[a] >= max[a]) else {
+        let volume = bounds.volume();
+        let wrong = || Wrong::new(format!("has a volume of {volume:e} m³"), "give edges in metres");
+        return (!volume.is_normal()).then(wrong);
+    };
+    Some(Wrong::new(
+        format!("has {} = {}, not above {} of `min`", ["x", "y", "z"][axis], max[axis], min[axis]),
+        "give a `max` above `min` on every axis",
+    ))
 }
 
 /// Two spheres in the same place, the smaller number first.

@@ -8,7 +8,7 @@ use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
 use super::output::{self, Output};
-use super::packing_check::load_packing;
+use super::packing_check::{box_wrong, load_packing};
 use super::particles::{ParticleSource, Particles};
 use super::schema::Schema;
 use super::stage::{self, Stage, StageKind};
@@ -246,22 +246,4 @@ impl Plan {
         let effects = self.effects();
         effects.iter().filter(|(_, on)| *on == simulated).map(|(name, _)| *name).collect()
     }
-}
-
-/// What is wrong with a box.
-pub(super) fn box_wrong(bounds: &Aabb) -> Option<Wrong> {
-    let Aabb { min, max } = bounds;
-    let finite = min.iter().chain(max.iter()).all(|x| x.is_finite());
-    if !finite {
-        return Some(Wrong::new("or `min` is not finite", "give finite numbers in m"));
-    }
-    let Some(axis) = (0..3).find(|&a| min[a] >= max[a]) else {
-        let volume = bounds.volume();
-        let wrong = || Wrong::new(format!("has a volume of {volume:e} m³"), "give edges in metres");
-        return (!volume.is_normal()).then(wrong);
-    };
-    Some(Wrong::new(
-        format!("has {} = {}, not above {} of `min`", ["x", "y", "z"][axis], max[axis], min[axis]),
-        "give a `max` above `min` on every axis",
-    ))
 }

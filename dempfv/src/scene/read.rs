@@ -9,6 +9,7 @@ use super::fluid::{self, Fluid};
 use super::keys::{Keyed, Keys};
 use super::kind::{Count, Kind, Vector, quoted};
 use super::output::{self, Output};
+use super::packing_check::box_wrong;
 use super::particles::{self, Particles};
 use super::plan::{self, Place, Plan};
 use super::schema::Schema;
@@ -192,7 +193,7 @@ fn read_box(value: &Value) -> Result<Aabb> {
     let min = table.need("min", "the smallest x, y, z in m")?.vector("m")?;
     let upper = table.need("max", "the largest x, y, z in m")?;
     let bounds = Aabb { min, max: upper.vector("m")? };
-    match plan::box_wrong(&bounds) {
+    match box_wrong(&bounds) {
         Some(wrong) => Err(upper.wrong(wrong)),
         None => Ok(bounds),
     }

@@ -15,13 +15,14 @@ use crate::coupling::{
 };
 use crate::scene::*;
 use crate::solver::{Cost, Fill, SystemSize};
+use crate::{InputError, Result};
 
 /// What is known about the spheres and pores of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Specimen {
     /// Number of spheres.
     pub spheres: usize,
-    /// Smallest radius (m).
+    /// Smallest radius (m); 0 where it is not known, which leaves the time step open.
     pub smallest_radius: f64,
     /// Number of pores, if the packing has been triangulated.
     pub pores: Option<usize>,
@@ -103,7 +104,7 @@ pub struct Estimate {
     pub counted: bool,
     /// Peak memory (bytes).
     pub memory: f64,
-    /// Bounds on the time step; `None` when nothing moves. Where the viscous
+    /// Bounds on the time step; `None` when nothing moves or no radius is known. Where the viscous
     /// bound of the network is not known, estimates from the smallest sphere.
     pub bounds: Option<TimeStepBounds>,
     /// Time step of stages without one of their own (s); `None` when nothing moves.
@@ -158,12 +159,32 @@ impl fmt::Display for UnstableStage {
 
 impl Estimate {
     /// What `plan` needs for `specimen`, with the threads that there are.
-    pub fn of(plan: &Plan, specimen: &Specimen) -> Estimate {
+    ///
+    /// # Errors
+    /// What [`Plan::validate`] finds; a smallest radius that is negative or not finite.
+    pub fn of(plan: &Plan, specimen: &Specimen) -> Result<Estimate, InputError> {
         Estimate::with_threads(plan, specimen, rayon::current_num_threads())
     }
 
-    /// As [`Estimate::of`], with a number of threads.
-    pub fn with_threads(plan: &Plan, specimen: &Specimen, threads: usize) -> Estimate {
+    /// As [`Estimate::of`], with a number of threads, of which there is one at least.
+    ///
+    /// # Errors
+    /// As [`Estimate::of`].
+    pub fn with_threads(
+        plan: &Plan,
+        specimen: &Specimen,
+        threads: usize,
+    ) -> Result<Estimate, InputError> {
+        plan.validate()?;
+        let smallest = specimen.smallest_radius;
+        if !(smallest >= 0.0 && smallest.is_finite()) {
+            let what = format!("`smallest_radius` of the specimen is {smallest}");
+            return Err(InputError::new(what, "give a radius in m, or 0"));
+        }
+        Ok(Estimate::expected(plan, specimen, threads.max(1)))
+    }
+
+    fn expected(plan: &Plan, specimen: &Specimen, threads: usize) -> Estimate {
         let any = |holds: fn(&StageKind) -> bool| plan.stages.iter().any(|s| holds(&s.kind));
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
         let coupled = any(StageKind::is_coupled);
@@ -174,7 +195,8 @@ impl Estimate {
         });
         let dem = plan.dem.as_ref().filter(|_| any(StageKind::moves));
         let estimated = || estimated_bounds(plan, specimen.smallest_radius);
-        let bounds = dem.map(|_| specimen.bounds.unwrap_or_else(estimated));
+        let known = || (specimen.smallest_radius > 0.0).then(estimated);
+        let bounds = dem.and_then(|_| specimen.bounds.or_else(known));
         let dt = dem.zip(bounds).map(|(dem, bounds)| match dem.dt {
             TimeStep::Fixed(dt) => dt,
             TimeStep::Auto => bounds.automatic(dem.safety),
@@ -402,7 +424,8 @@ mod tests {
             ] {
                 let specimen = Specimen { spheres, ..Specimen::default() };
                 let plan = coupled_plan(spheres, fluid);
-                let ms = Estimate::with_threads(&plan, &specimen, 2).ms_per_step().unwrap();
+                let ms =
+                    Estimate::with_threads(&plan, &specimen, 2).unwrap().ms_per_step().unwrap();
                 assert!((0.5..2.0).contains(&(ms / measured)), "{spheres}, {fluid}: {ms} ms");
             }
         }
@@ -422,7 +445,7 @@ mod tests {
                 unknowns: Some(unknowns),
                 ..Specimen::default()
             };
-            let memory = Estimate::with_threads(&plan, &specimen, 2).memory;
+            let memory = Estimate::with_threads(&plan, &specimen, 2).unwrap().memory;
             assert!((0.75..1.25).contains(&(memory / measured)), "{scene}: {memory:e}");
         }
     }
@@ -444,7 +467,7 @@ mod tests {
         let estimate = |contact| {
             let specimen =
                 Specimen { spheres: 10, bounds: Some(bounds(contact)), ..Specimen::default() };
-            Estimate::with_threads(&plan, &specimen, 1).warnings()
+            Estimate::with_threads(&plan, &specimen, 1).unwrap().warnings()
         };
         assert_eq!(estimate(1.1e-6), Vec::<String>::new());
         let [warning] = &estimate(0.9e-6)[..] else { panic!("one warning") };
@@ -458,7 +481,8 @@ mod tests {
         let (contact, viscous) = (1.1e-6, Some(1e-9));
         let bounds = TimeStepBounds { contact, viscous, ..UNKNOWN };
         let specimen = Specimen { spheres: 10, bounds: Some(bounds), ..Specimen::default() };
-        let warned = |plan: &Plan| Estimate::with_threads(plan, &specimen, 1).warnings().len();
+        let warned =
+            |plan: &Plan| Estimate::with_threads(plan, &specimen, 1).unwrap().warnings().len();
         assert_eq!(warned(&plan), 1);
         plan.stages[0].dt = Some(TimeStep::Auto);
         assert_eq!(warned(&plan), 0);

@@ -185,7 +185,8 @@ impl Outcome {
 
 impl Consolidation {
     /// Largest distance of the measured degree of consolidation from
-    /// Terzaghi's with the drained layer counted, for `T_v` in a range.
+    /// Terzaghi's with the drained layer counted, for `T_v` in a range; 0 where there is no
+    /// sample in it.
     pub fn largest_error(&self, from: f64, to: f64) -> f64 {
         let within = self.samples.iter().filter(|s| (from..=to).contains(&s.time_factor));
         within.map(|s| (s.degree - self.theory(s.time_factor)).abs()).fold(0.0, f64::max)

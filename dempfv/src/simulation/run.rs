@@ -89,7 +89,7 @@ impl Simulation {
         plan.validate()?;
         let packing = setup::initial_packing(&plan)?;
         let origin = Origin::new(&plan, &packing.0, &packing.1, packing.2);
-        let coupled = setup::coupled(&plan, setup::mechanics(&plan, packing)?);
+        let coupled = setup::coupled(&plan, setup::mechanics(&plan, packing)?)?;
         Ok(Simulation {
             plan,
             origin,

@@ -9,9 +9,10 @@ use crate::{Aabb, InputError, Result, Vec3};
 /// packing file, or drawn with its seed.
 ///
 /// # Errors
-/// When the file is missing or wrong, a sphere lies outside the box, two
-/// coincide, or the cloud does not fit.
+/// What [`Plan::validate`] finds; when the file is missing or wrong, a sphere
+/// lies outside the box, two coincide, or the cloud does not fit.
 pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
+    plan.validate()?;
     if let Some((packing, bounds)) = plan.packing()? {
         return Ok((packing.position, packing.radius, bounds));
     }
@@ -50,12 +51,12 @@ pub(super) fn options(plan: &Plan) -> DemOptions {
 }
 
 /// Dry spheres that know how the plan's fluid is to be computed.
-pub(super) fn coupled(plan: &Plan, dem: Dem) -> Coupled {
+pub(super) fn coupled(plan: &Plan, dem: Dem) -> Result<Coupled> {
     let mut coupled = Coupled::new(dem);
     coupled.accelerate(plan.fluid.as_ref().map(|f| f.acceleration).unwrap_or_default());
     if let Some(fluid) = &plan.fluid {
-        coupled.set_tolerance(fluid.tolerance);
+        coupled.set_tolerance(fluid.tolerance)?;
     }
     coupled.watch(plan.output.probes.clone());
-    coupled
+    Ok(coupled)
 }

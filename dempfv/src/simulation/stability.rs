@@ -42,8 +42,9 @@ impl Stability {
     /// stage: its walls, its friction. `None` when no stage couples a fluid.
     ///
     /// # Errors
-    /// What is wrong with the packing, or why it has no network.
+    /// What [`Plan::validate`] finds, what is wrong with the packing, or why it has no network.
     pub fn of(plan: &Plan) -> Result<Option<Stability>> {
+        plan.validate()?;
         let stage = plan.stages.iter().find(|s| s.kind.is_coupled());
         let (Some(fluid), Some(stage)) = (&plan.fluid, stage) else { return Ok(None) };
         let mut coupled = Coupled::new(setup::mechanics(plan, setup::initial_packing(plan)?)?);

@@ -17,10 +17,14 @@ static ROOM: AtomicUsize = AtomicUsize::new(0);
 
 /// Lets the BLAS use this many threads, for the whole process, and gives up
 /// the promise that results are the same bits for any number of threads.
-/// Returns false where the loaded BLAS is not OpenBLAS: nothing was set then.
+/// Returns false for no thread at all, and where the loaded BLAS is not OpenBLAS: nothing was set
+/// then.
 ///
 /// Not to be called while another thread factors or solves.
 pub fn set_threads(threads: usize) -> bool {
+    if threads == 0 {
+        return false;
+    }
     CHOSEN.call_once(|| {});
     cholmod_sys::blas::set_num_threads(threads)
 }

@@ -108,11 +108,12 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Corrections that bring a prediction of the pressures to a tolerance (1).
+    /// Corrections that bring a prediction of the pressures to a tolerance (1): one at least, and
+    /// more than there are for a tolerance that is not positive.
     pub fn corrections_to(&self, tolerance: f64) -> u32 {
         let needed = (tolerance / PREDICTION_ERROR).ln() / self.correction_leaves.ln();
         // At least one: the prediction is not known to be good enough. Saturates.
-        needed.ceil().max(1.0) as u32
+        if needed.is_nan() { u32::MAX } else { needed.ceil().max(1.0) as u32 }
     }
 
     /// Time of a solve in a time loop that may leave a tolerance (s).

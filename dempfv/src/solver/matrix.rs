@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use super::SolverError;
+use super::{SolverError, require_size};
 
 /// A sparse symmetric matrix: its lower triangle by columns.
 ///
@@ -21,7 +21,7 @@ use super::SolverError;
 /// };
 /// a.validate()?;
 /// let mut y = [0.0; 2];
-/// a.multiply(&[1.0, 3.0], &mut y);
+/// a.multiply(&[1.0, 3.0], &mut y)?;
 /// assert_eq!(y, [-1.0, 5.0]);
 /// # Ok::<(), dempfv::solver::SolverError>(())
 /// ```
@@ -54,12 +54,19 @@ impl SymmetricCsc {
     ///
     /// # Errors
     /// [`SolverError::EntryOutside`] and [`SolverError::MatrixNotFinite`] with the first entry
-    /// at fault, or the sum at fault.
+    /// at fault, or the sum at fault; [`SolverError::OutOfMemory`] where so many unknowns have no
+    /// room.
     pub fn from_triplets(
         n: usize,
         entries: impl IntoIterator<Item = (usize, usize, f64)>,
     ) -> Result<SymmetricCsc, SolverError> {
-        let mut sorted: Vec<(usize, usize, f64)> = (0..n).map(|k| (k, k, 0.0)).collect();
+        let (mut sorted, mut col_ptr) = (vec![], vec![]);
+        let reserved = sorted.try_reserve(n).and_then(|()| col_ptr.try_reserve_exact(n + 1));
+        if reserved.is_err() {
+            return Err(SolverError::OutOfMemory { solver: "the matrix", phase: "assembly", n });
+        }
+        sorted.extend((0..n).map(|k| (k, k, 0.0)));
+        col_ptr.resize(n + 1, 0);
         for (row, column, value) in entries {
             if row >= n || column >= n {
                 return Err(SolverError::EntryOutside { row, column, n });
@@ -71,7 +78,7 @@ impl SymmetricCsc {
         }
         // Stable: sums are in the order in which their terms came.
         sorted.sort_by_key(|&(column, row, _)| (column, row));
-        let mut a = SymmetricCsc { n, col_ptr: vec![0; n + 1], ..SymmetricCsc::default() };
+        let mut a = SymmetricCsc { n, col_ptr, ..SymmetricCsc::default() };
         let mut last = None;
         for (column, row, value) in sorted {
             if last == Some((column, row)) {
@@ -114,7 +121,7 @@ impl SymmetricCsc {
     /// The same, whatever the values.
     pub(super) fn validate_pattern(&self) -> Result<(), SolverError> {
         let fail = |column, what| Err(SolverError::InvalidMatrix { column, what });
-        if self.col_ptr.len() != self.n + 1 || self.col_ptr[0] != 0 {
+        if self.col_ptr.len().checked_sub(1) != Some(self.n) || self.col_ptr[0] != 0 {
             return fail(0, "the column pointers must be n + 1 and start with 0");
         }
         if self.col_ptr[self.n] != self.row_idx.len() as i64
@@ -150,8 +157,8 @@ impl SymmetricCsc {
     /// [`SolverError::MatrixNotFinite`] with the first entry that is not.
     pub fn check_finite(&self) -> Result<(), SolverError> {
         let Some(k) = self.values.iter().position(|v| !v.is_finite()) else { return Ok(()) };
-        let column = self.col_ptr.partition_point(|&start| start <= k as i64) - 1;
-        let row = self.row_idx[k] as usize;
+        let column = self.col_ptr.partition_point(|&start| start <= k as i64).saturating_sub(1);
+        let row = self.row_idx.get(k).map_or(column, |&row| row as usize);
         Err(SolverError::MatrixNotFinite { row, column, value: self.values[k] })
     }
 
@@ -167,15 +174,25 @@ impl SymmetricCsc {
 
     /// y = A x, in one fixed order of additions.
     ///
-    /// # Panics
-    /// If `x` or `y` has not `n` entries.
-    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+    /// # Errors
+    /// [`SolverError::InvalidMatrix`] for a matrix that is none ([`SymmetricCsc::validate`]; its
+    /// values do not matter), [`SolverError::WrongSize`] when `x` or `y` has not one entry per
+    /// unknown.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) -> Result<(), SolverError> {
+        self.validate_pattern()?;
+        require_size("the vector to multiply", self.n, x.len())?;
+        require_size("the vector for the product", self.n, y.len())?;
+        self.product(x, y);
+        Ok(())
+    }
+
+    /// [`SymmetricCsc::multiply`] for a valid matrix and vectors that have its size.
+    pub(super) fn product(&self, x: &[f64], y: &mut [f64]) {
         self.scatter(x, y, |a| a);
     }
 
     /// y = f(A) x for a function of each entry.
     fn scatter(&self, x: &[f64], y: &mut [f64], f: impl Fn(f64) -> f64) {
-        assert!(x.len() == self.n && y.len() == self.n, "vectors must have one entry per unknown");
         y.fill(0.0);
         for j in 0..self.n {
             let (rows, values) = self.column(j);
@@ -190,6 +207,9 @@ impl SymmetricCsc {
     }
 
     /// Largest row sum of absolute values, ‖A‖∞.
+    ///
+    /// # Panics
+    /// May panic on a matrix that [`SymmetricCsc::validate`] refuses.
     pub fn norm_inf(&self) -> f64 {
         let mut sums = vec![0.0; self.n];
         self.scatter(&vec![1.0; self.n], &mut sums, f64::abs);
@@ -201,21 +221,20 @@ impl SymmetricCsc {
     /// b for which `x` is exact (Rigal and Gaches 1967). About 10⁻¹⁶ after a
     /// good direct solve; not a number if `x` or `b` has an entry that is none.
     ///
-    /// # Panics
-    /// If `x` or `b` has not `n` entries.
-    pub fn residual(&self, b: &[f64], x: &[f64]) -> f64 {
-        assert_eq!(b.len(), self.n, "the right-hand side must have one entry per unknown");
-        let mut r = vec![0.0; self.n];
-        self.multiply(x, &mut r);
+    /// # Errors
+    /// As [`SymmetricCsc::multiply`].
+    pub fn residual(&self, b: &[f64], x: &[f64]) -> Result<f64, SolverError> {
+        require_size("the right-hand side", self.n, b.len())?;
+        let mut r = vec![0.0; b.len()];
+        self.multiply(x, &mut r)?;
         for (r, b) in r.iter_mut().zip(b) {
             *r = b - *r;
         }
         let numerator = norm_inf(&r);
         if numerator == 0.0 {
-            0.0
-        } else {
-            numerator / (self.norm_inf() * norm_inf(x) + norm_inf(b))
+            return Ok(0.0);
         }
+        Ok(numerator / (self.norm_inf() * norm_inf(x) + norm_inf(b)))
     }
 }
 

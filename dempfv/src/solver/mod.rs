@@ -209,7 +209,7 @@ pub trait Factor: Send {
         x: &mut [f64],
     ) -> Result<f64, SolverError> {
         self.solve(b, x)?;
-        let residual = a.residual(b, x);
+        let residual = a.residual(b, x)?;
         // Not `>`: a residual that is no number must not pass.
         if residual <= RESIDUAL_LIMIT {
             Ok(residual)

@@ -8,6 +8,14 @@ pub trait LinearOperator {
     /// Number of unknowns.
     fn unknowns(&self) -> usize;
 
+    /// Refuses what cannot be applied: looked at once, before a solve.
+    ///
+    /// # Errors
+    /// Why not.
+    fn check(&self) -> Result<(), SolverError> {
+        Ok(())
+    }
+
     /// y = A x. Both have one entry per unknown. May use memory of its own, hence `&mut`.
     fn apply(&mut self, x: &[f64], y: &mut [f64]);
 }
@@ -26,8 +34,12 @@ impl LinearOperator for &SymmetricCsc {
         self.n
     }
 
+    fn check(&self) -> Result<(), SolverError> {
+        self.validate()
+    }
+
     fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.multiply(x, y);
+        self.product(x, y);
     }
 }
 

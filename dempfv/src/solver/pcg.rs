@@ -82,7 +82,8 @@ impl ConjugateGradients {
     /// new `x` afterwards. Allocates in the first call only.
     ///
     /// # Errors
-    /// `x` or `residual` has not one entry per unknown, or the preconditioner fails.
+    /// `x` or `residual` has not one entry per unknown or is not finite, the matrix cannot be
+    /// applied, a number of the goal is none, or the preconditioner fails.
     pub fn solve(
         &mut self,
         a: &mut impl LinearOperator,
@@ -93,6 +94,12 @@ impl ConjugateGradients {
     ) -> Result<Iterations, SolverError> {
         require_size("the residual", a.unknowns(), residual.len())?;
         require_size("the solution", a.unknowns(), x.len())?;
+        a.check()?;
+        let ErrorGoal { relative_error, datum, round_off } = *goal;
+        if !(datum.is_finite() && relative_error >= 0.0 && round_off >= 0.0) {
+            let what = format!("{goal:?} is no goal: an error and a round-off are 0 or more");
+            return Err(refused(what));
+        }
         self.fit(x.len());
         let mut went = Iterations::default();
         let (mut last, mut alpha, mut fall) = (0.0, 0.0, 0.0);
@@ -105,6 +112,12 @@ impl ConjugateGradients {
                 _ => -alpha * dot(&self.correction, &self.product, &mut self.partial_sums) / fall,
             };
             fall = dot(residual, &self.correction, &mut self.partial_sums);
+            if !fall.is_finite() {
+                return Err(not_finite(
+                    residual,
+                    "the residual times its correction is not finite",
+                ));
+            }
             let curvature = self.turn(a, beta);
             // Nothing is left, or nothing can be told apart from round-off.
             if curvature <= 0.0 {
@@ -121,8 +134,12 @@ impl ConjugateGradients {
             } else {
                 f64::min(step / last, MAX_CONTRACTION)
             };
+            let away = distance(x, goal.datum, &mut self.partial_sums);
+            if !away.is_finite() {
+                return Err(not_finite(x, "the solution is not finite"));
+            }
             let missing = step * f64::max(MIN_ERROR_PER_CORRECTION, ratio / (1.0 - ratio));
-            went.error = missing / distance(x, goal.datum, &mut self.partial_sums);
+            went.error = missing / away;
             last = step;
             if went.error <= goal.relative_error
                 || step <= goal.round_off
@@ -154,6 +171,18 @@ impl ConjugateGradients {
     fn advance(&self, alpha: f64, x: &mut [f64], residual: &mut [f64]) {
         for_each(x, &|u, x| *x += alpha * self.direction[u]);
         for_each(residual, &|u, r| *r -= alpha * self.product[u]);
+    }
+}
+
+fn refused(what: String) -> SolverError {
+    SolverError::Refused { solver: "conjugate gradients", phase: "solve", what }
+}
+
+/// What is not finite, by its first entry where there is one.
+fn not_finite(vector: &[f64], what: &str) -> SolverError {
+    match vector.iter().position(|v| !v.is_finite()) {
+        Some(row) => refused(format!("{what}: entry {row} is {}", vector[row])),
+        None => refused(what.to_owned()),
     }
 }
 
@@ -221,7 +250,7 @@ mod tests {
         goal: &ErrorGoal,
     ) -> (Iterations, Vec<f64>, Vec<f64>) {
         let mut residual = vec![0.0; a.n];
-        a.multiply(truth, &mut residual);
+        a.multiply(truth, &mut residual).unwrap();
         let mut x = vec![0.0; a.n];
         let mut jacobi = Jacobi((0..a.n).map(|k| a.values[a.col_ptr[k] as usize]).collect());
         let mut gradients = ConjugateGradients::default();
@@ -243,7 +272,7 @@ mod tests {
                 let error = off(&missing, 0.0) / off(&x, 1.0);
                 assert!(went.error <= relative_error && error <= went.error + 1e-15, "{went:?}");
                 let mut b = vec![0.0; n];
-                a.multiply(&missing, &mut b);
+                a.multiply(&missing, &mut b).unwrap();
                 assert!(b.iter().zip(&residual).all(|(b, r)| (b + r).abs() < 1e-11));
             }
         }

@@ -18,7 +18,7 @@ fn config() -> ProptestConfig {
 fn network(s: &Spheres) -> Result<(Network, Operators), PfvError> {
     let fluid = through_flow();
     let (network, derivatives) = Network::new(&s.x, &s.r, s.bounds, &fluid)?;
-    let operators = Operators::new(&network, derivatives, fluid.boundary);
+    let operators = Operators::new(&network, derivatives, fluid.boundary)?;
     Ok((network, operators))
 }
 

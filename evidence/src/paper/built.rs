@@ -86,8 +86,16 @@ impl Input {
     }
 
     /// The sparse operators of a network.
-    pub fn operators(&self, network: &Network, derivatives: Derivatives) -> Operators {
+    ///
+    /// # Errors
+    /// The derivatives are those of another network.
+    pub fn operators(
+        &self,
+        network: &Network,
+        derivatives: Derivatives,
+    ) -> Result<Operators, Error> {
         Operators::new(network, derivatives, self.fluid.boundary)
+            .map_err(|e| dempfv::Error::from(e).into())
     }
 }
 
@@ -99,7 +107,7 @@ fn build(input: &Input) -> Result<Built, Error> {
         let (network, derivatives) = input.network()?;
         let network_s = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        input.operators(&network, derivatives);
+        input.operators(&network, derivatives)?;
         let operators_s = start.elapsed().as_secs_f64();
         best = Built {
             network_s: best.network_s.min(network_s),

@@ -70,7 +70,7 @@ pub fn factor(
     times: usize,
 ) -> Result<Factored, Error> {
     let (network, derivatives) = input.network()?;
-    let operators = input.operators(&network, derivatives);
+    let operators = input.operators(&network, derivatives)?;
     let fails = |e| Error::from(dempfv::Error::from(e));
     let start = Instant::now();
     let symbolic = solver.backend().analyze(&operators.matrix, None).map_err(fails)?;

@@ -241,7 +241,7 @@ fn expected(specimen: &Specimen, mode: Mode) -> Result<Expected, Error> {
         spheres: specimen.spheres as usize,
         ..dempfv::simulation::Specimen::default()
     };
-    let e = Estimate::of(&plan, &spheres);
+    let e = Estimate::of(&plan, &spheres).map_err(dempfv::Error::from)?;
     let remesh = e.remesh.unwrap_or(0.0);
     // The estimate has the remeshes' share of a step in it, but for those in the background.
     let share = match mode {

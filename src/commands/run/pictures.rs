@@ -144,7 +144,8 @@ pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<(
     let Some(flow) = coupled.storage_flow() else { return Ok(()) };
     let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
-    let (points, cells) = dempfv::io::vtk::pore_cells(flow.network(), &particles.position, &bounds);
+    let (points, cells) =
+        dempfv::io::vtk::pore_cells(flow.network(), &particles.position, &bounds)?;
     plot::section(&Section {
         title: "Pore pressure in a section",
         caption: &format!("{}\n{moment}", simulation.plan().title),

@@ -170,8 +170,8 @@ impl Frames {
         self.spheres.push(time, &name)?;
         let Some(flow) = coupled.storage_flow() else { return Ok(()) };
         let bounds = coupled.dem().box_();
-        let (points, cells) = vtk::pore_cells(flow.network(), &particles.position, &bounds);
-        let volume = flow.network().volumes_at(&particles.position, &bounds);
+        let (points, cells) = vtk::pore_cells(flow.network(), &particles.position, &bounds)?;
+        let volume = flow.network().volumes_at(&particles.position, &bounds)?;
         let name = format!("pores-{step:09}.vtu");
         vtk::write_cells(
             &folder.join(&name),

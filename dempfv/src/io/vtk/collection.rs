@@ -37,9 +37,10 @@ impl Collection {
     /// (s); empty if there is no file.
     ///
     /// # Errors
-    /// [`InputError`] when the file is no collection of this program,
-    /// [`IoError::File`] when it cannot be read.
+    /// [`InputError`] when the file is no collection of this program, or the
+    /// time is no number; [`IoError::File`] when it cannot be read.
     pub fn resume(path: &Path, last_time: f64) -> Result<Collection> {
+        check_time("last_time", last_time)?;
         let text = match std::fs::read_to_string(path) {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Collection::new(path)),
             other => other.map_err(|e| IoError::file(path, e))?,
@@ -67,7 +68,9 @@ impl Collection {
     ///
     /// # Errors
     /// [`IoError::File`] when the file cannot be written; the old one then stands.
+    /// [`InputError`] for a time that is no number.
     pub fn push(&mut self, time: f64, file: &str) -> Result<()> {
+        check_time("time", time)?;
         // Where the collection could not be written, the frame comes a second time.
         self.frames.retain(|(_, other)| other != file);
         self.frames.push((time, file.to_owned()));
@@ -97,4 +100,11 @@ impl Collection {
         text.push_str("</Collection>\n</VTKFile>\n");
         text
     }
+}
+
+fn check_time(name: &str, time: f64) -> Result<()> {
+    if time.is_finite() {
+        return Ok(());
+    }
+    Err(InputError::new(format!("`{name}` is {time}"), "give a finite time in s").into())
 }

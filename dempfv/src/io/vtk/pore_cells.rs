@@ -1,6 +1,8 @@
 //! The pores as polyhedra, for pictures and other programs.
 
 use super::Cells;
+use crate::input::InputError;
+use crate::io::error::Result;
 use crate::pfv::Network;
 use crate::{Aabb, Vec3};
 
@@ -12,8 +14,20 @@ const AROUND: [usize; 8] = [0, 1, 3, 2, 4, 5, 7, 6];
 /// at `bounds`: tetrahedra inside; at the walls the prisms, wedges and
 /// boxes between spheres and their projections. The first points are the
 /// sphere centres; cell `i` is pore `i`.
-pub fn pore_cells(network: &Network, position: &[Vec3], bounds: &Aabb) -> (Vec<Vec3>, Cells) {
+///
+/// # Errors
+/// An [`InputError`] when there is not one position per sphere.
+pub fn pore_cells(
+    network: &Network,
+    position: &[Vec3],
+    bounds: &Aabb,
+) -> Result<(Vec<Vec3>, Cells)> {
     let t = &network.tessellation;
+    if position.len() != t.spheres {
+        let what = format!("`position` has {} entries", position.len());
+        let remedy = format!("give one centre for each of the {} spheres", t.spheres);
+        return Err(InputError::new(what, remedy).into());
+    }
     let mut points = position.to_vec();
     let mut cells = Cells::default();
     let mut corners = Vec::with_capacity(8);
@@ -41,5 +55,5 @@ pub fn pore_cells(network: &Network, position: &[Vec3], bounds: &Aabb) -> (Vec<V
         }
     }
     cells.orient(&points);
-    (points, cells)
+    Ok((points, cells))
 }

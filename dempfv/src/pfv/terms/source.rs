@@ -2,6 +2,7 @@
 
 use super::FluidTerm;
 use crate::Vec3;
+use crate::pfv::packing_check::require_length;
 use crate::pfv::{Network, PfvError, PoreConditions, PoreSelection};
 
 /// A rate at which fluid enters pores of choice, as from the tip of an injection tube.
@@ -29,20 +30,22 @@ impl Sources {
     ///
     /// # Errors
     /// [`PfvError::InvalidInput`] where a rate is not finite, no pore is selected, a pore has no
-    /// such number, or has an imposed pressure: a source there would change nothing.
+    /// such number, or has an imposed pressure: a source there would change nothing. Further where
+    /// the positions are not one per sphere, or the conditions are those of another network.
     pub fn new(
         network: &Network,
         conditions: &PoreConditions,
         position: &[Vec3],
         sources: &[PoreSource],
     ) -> Result<Sources, PfvError> {
+        require_length("conditions", conditions.pores(), network.pores(), "pores")?;
         let mut rates = vec![];
         for (k, PoreSource { pores, rate }) in sources.iter().enumerate() {
             let wrong = |problem: String| Err(PfvError::invalid("sources", k, problem));
             if !rate.is_finite() {
                 return wrong(format!("a rate of {rate} m³/s; it must be finite"));
             }
-            let selected = pores.select(network, position);
+            let selected = pores.select(network, position)?;
             if selected.is_empty() {
                 return wrong("selects no pore; choose other pores or a larger radius".to_owned());
             }

@@ -33,7 +33,8 @@ impl Solution {
     ) -> Result<Solution, Error> {
         let mut network = network.clone();
         network.throats.conductance = conductance;
-        let operators = Operators::new(&network, derivatives.clone(), boundary());
+        let operators = Operators::new(&network, derivatives.clone(), boundary())
+            .map_err(dempfv::Error::from)?;
         let places: Vec<[f64; 3]> =
             operators.pore_of.iter().map(|&i| network.center[i as usize].into()).collect();
         let (pores, unknowns) = (network.pores(), operators.unknowns());
@@ -45,16 +46,18 @@ impl Solution {
         let (mut pressure, at_rest) = (vec![0.0; pores], vec![0.0; pores]);
         let (mut solution, mut rhs) = (vec![0.0; unknowns], vec![0.0; unknowns]);
         let mut change = vec![0.0; unknowns];
-        operators.pressures(&solution, &mut pressure);
+        operators.pressures(&solution, &mut pressure).map_err(dempfv::Error::from)?;
         for _ in 0..REFINEMENTS {
-            operators.residual(&pressure, &at_rest, &mut rhs);
+            operators.residual(&pressure, &at_rest, &mut rhs).map_err(dempfv::Error::from)?;
             factor.solve(&rhs, &mut change).map_err(dempfv::Error::from)?;
             solution.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
-            operators.pressures(&solution, &mut pressure);
+            operators.pressures(&solution, &mut pressure).map_err(dempfv::Error::from)?;
         }
-        let flux = operators.flux(&pressure, &at_rest);
+        let flux = operators.flux(&pressure, &at_rest).map_err(dempfv::Error::from)?;
         let mut force = vec![Vec3::zeros(); network.tessellation.spheres];
-        operators.forces(&pressure, &mut force, &mut [Vec3::zeros(); 6]);
+        operators
+            .forces(&pressure, &mut force, &mut [Vec3::zeros(); 6])
+            .map_err(dempfv::Error::from)?;
         Ok(Solution { pressure, flux, force })
     }
 }

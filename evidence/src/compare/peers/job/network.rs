@@ -51,7 +51,8 @@ impl Build {
                 Network::new(&packing.position, &packing.radius, bounds, &fluid)
                     .map_err(dempfv::Error::from)?;
             built.network_s.push(start.elapsed().as_secs_f64());
-            let operators = Operators::new(&network, derivatives, fluid.boundary);
+            let operators = Operators::new(&network, derivatives, fluid.boundary)
+                .map_err(dempfv::Error::from)?;
             built.all_s.push(start.elapsed().as_secs_f64());
             drop(operators);
             built.pores = network.pores() as f64;

@@ -96,17 +96,19 @@ fn check(flow: &Flow) -> Result<(f64, f64), Error> {
     let mut factor = symbolic.factor(a).map_err(failed)?;
     let (mut x, mut rhs, mut change) = (vec![0.0; a.n], vec![0.0; a.n], vec![0.0; a.n]);
     let mut pressure = vec![0.0; network.pores()];
-    operators.pressures(&x, &mut pressure);
-    operators.residual(&pressure, flow.volume_rate(), &mut rhs);
+    operators.pressures(&x, &mut pressure).map_err(dempfv::Error::from)?;
+    operators.residual(&pressure, flow.volume_rate(), &mut rhs).map_err(dempfv::Error::from)?;
     let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
     let whole = norm(&rhs);
     for _ in 0..=REFINEMENTS {
         factor.solve(&rhs, &mut change).map_err(failed)?;
         x.iter_mut().zip(&change).for_each(|(x, c)| *x += c);
-        operators.pressures(&x, &mut pressure);
-        operators.residual(&pressure, flow.volume_rate(), &mut rhs);
+        operators.pressures(&x, &mut pressure).map_err(dempfv::Error::from)?;
+        operators.residual(&pressure, flow.volume_rate(), &mut rhs).map_err(dempfv::Error::from)?;
     }
-    operators.residual(flow.pressure(), flow.volume_rate(), &mut rhs);
+    operators
+        .residual(flow.pressure(), flow.volume_rate(), &mut rhs)
+        .map_err(dempfv::Error::from)?;
     let residual = share(norm(&rhs), whole);
     let error = worst(pressure.iter().zip(flow.pressure()).map(|(a, b)| a - b));
     Ok((share(error, worst(pressure.iter().copied())), residual))

@@ -73,7 +73,8 @@ impl Meshed {
         let fluid = fluid();
         let (network, derivatives) =
             Network::new(position, radius, bounds, &fluid).map_err(dempfv::Error::from)?;
-        let operators = Operators::new(&network, derivatives, fluid.boundary);
+        let operators =
+            Operators::new(&network, derivatives, fluid.boundary).map_err(dempfv::Error::from)?;
         let center = |&i: &u32| network.center[i as usize].into();
         let points = operators.pore_of.iter().map(center).collect();
         Ok(Meshed { network, operators, points })
@@ -103,10 +104,10 @@ impl System {
             let velocity: Vec<Vec3> =
                 packing.position.iter().map(|x| Vec3::new(0.0, bounds.min.y - x.y, 0.0)).collect();
             let mut rate = vec![0.0; network.pores()];
-            operators.volume_rate(&velocity, &[0.0; 6], &mut rate);
+            operators.volume_rate(&velocity, &[0.0; 6], &mut rate).map_err(dempfv::Error::from)?;
             let still = vec![0.0; network.pores()];
             let mut rhs = vec![0.0; n];
-            operators.residual(&still, &rate, &mut rhs);
+            operators.residual(&still, &rate, &mut rhs).map_err(dempfv::Error::from)?;
             solve(&operators.matrix, &points, &rhs)?
         } else {
             let high = bounds.max.y - bounds.min.y;
