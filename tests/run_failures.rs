@@ -53,7 +53,10 @@ fn a_run_that_blows_up_keeps_what_it_has() {
         "out/checkpoint.dempfv",
     ]);
     assert_eq!(again.status.code(), Some(3));
-    assert_eq!(error(&again), message);
+    let again = error(&again);
+    let (restart, failure) = again.split_once('\n').unwrap();
+    assert!(restart.starts_with("restart from out/checkpoint.dempfv"), "{restart}");
+    assert_eq!(failure, message);
 }
 
 /// The same with fluid: the pore or the particle that fails first is named.

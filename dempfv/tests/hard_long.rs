@@ -27,8 +27,8 @@ fn memory() -> u64 {
 }
 
 /// A gas of 40 elastic spheres, without friction and damping, in a closed box: each of its collisions
-/// gains or loses energy by 3·10⁻⁷ on average and 10⁻³ at most (docs/time-step.md). The kinetic and
-/// elastic energy stays within 1 % for each 10⁶ steps, and within 1 % in the short form.
+/// gains 3·10⁻⁷ of its energy on average (docs/time-step.md), and there is one in some ten steps. The
+/// kinetic and elastic energy stays within 1 %, from 250,000 steps on within 4 % for each 10⁶ steps.
 #[test]
 fn an_elastic_gas_keeps_its_energy() {
     let cloud = random_cloud(&CloudSpec {
@@ -73,13 +73,13 @@ fn an_elastic_gas_keeps_its_energy() {
     }
     let grown = memory().saturating_sub(before);
     println!("{steps} dry steps: energy within {most:.2e}, {grown} kB more");
-    assert!(most < 0.01 * (steps as f64 / 1e6).max(1.0), "{most}");
+    assert!(most < 0.01f64.max(0.04 * steps as f64 / 1e6), "{most}");
     assert!(grown < 4_000, "{grown} kB more");
 }
 
 /// A packing at rest under a steady flow, with a network from the background every 200 steps: flux,
-/// pressure and elastic energy stay what they are when it has come to rest, to 10⁻⁵ (loose spheres still creep), and memory does
-/// not grow.
+/// pressure and elastic energy stay what they are when it has come to rest, to 10⁻⁵ (loose spheres
+/// still creep), and memory does not grow.
 #[test]
 fn a_steady_flow_stays_as_it_is() {
     let steps = 5_000 * times();

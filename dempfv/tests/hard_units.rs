@@ -112,7 +112,7 @@ fn flying(u: Units, wet: bool) -> Coupled {
     for v in dem.storage_velocities_mut().0 {
         *v = 0.5 * speed * random.vector();
     }
-    let servo = WallControl::Servo { stress: 100.0 * pressure, max_velocity: 0.1 * speed };
+    let servo = WallControl::Servo { stress: 100.0 * pressure, max_velocity: Some(0.1 * speed) };
     dem.set_control(WallId::YMax, servo).unwrap();
     let mut coupled = Coupled::new(dem);
     if wet {

@@ -217,6 +217,16 @@ fn steps(t: &mut Table) {
             GrowthCompaction::new(GrowthOptions::new(1e4, value))
         });
     }
+    t.refuses("dem::GrowthCompaction::set_options", "slow_factor", || {
+        let slow = GrowthOptions { slow_factor: 0.0, ..options };
+        GrowthCompaction::new(options).unwrap().set_options(slow)
+    });
+    t.refuses("dem::Particles::of_materials", "material", || {
+        Particles::of_materials(vec![Vec3::zeros()], vec![1.0], vec![0, 0], &[material()])
+    });
+    t.refuses("dem::Particles::of_materials", "material 1, of 1", || {
+        Particles::of_materials(vec![Vec3::zeros()], vec![1.0], vec![1], &[material()])
+    });
     let never = GrowthOptions { interval: 0, ..options };
     t.refuses("dem::GrowthCompaction::new", "interval", || GrowthCompaction::new(never));
 }

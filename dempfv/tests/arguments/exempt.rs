@@ -64,9 +64,9 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "pfv::Flow::remove_term",
             "pfv::NetworkRemarks::or_more",
             "pfv::PoreConditions::of_walls",
-            "dem::GrowthCompaction::set_max_steps",
             "pfv::ViscousMode::carriers",
             "dem::GrowthCompaction::step",
+            "scene::Difference::is_in",
             "dem::GrowthCompaction::run",
         ],
         "takes any value of its argument's type, or one that was checked when it was made or will be \

@@ -14,9 +14,10 @@ use dempfv::{Aabb, Vec3};
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
 const UNIT: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 0.0), max: Vec3::new(1.0, 1.0, 1.0) };
 
-/// A file that no other test of this process writes.
+/// A file that no other test writes: each has a thread of its own.
 fn path(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("dempfv-arguments-{}", std::process::id()));
+    let (process, thread) = (std::process::id(), std::thread::current().id());
+    let folder = std::env::temp_dir().join(format!("dempfv-arguments-{process}-{thread:?}"));
     std::fs::create_dir_all(&folder).unwrap();
     folder.join(name)
 }

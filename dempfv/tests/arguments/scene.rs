@@ -7,7 +7,7 @@ use super::{NO_LENGTHS, Table};
 use dempfv::coupling::StandardBuilder;
 use dempfv::scene::{
     Cloud, Compact, Consolidate, Dem, Fluid, ParticleSource, Plan, Run, Sizes, Stage, StageKind,
-    TimeStep,
+    TimeStep, differences,
 };
 use dempfv::simulation::{
     Consolidation, Estimate, Simulation, Specimen, Stability, initial_packing,
@@ -119,6 +119,12 @@ fn theories(t: &mut Table) {
             && excess_pressure(0.5, -1.0) == 1.0
             && excess_pressure(-7.0, 0.1) == 0.0
     });
+    t.gives("theory::excess_pressure_both_ends", "its limits", || {
+        excess_pressure_both_ends(nan, 0.1).is_nan()
+            && excess_pressure_both_ends(0.5, nan).is_nan()
+            && excess_pressure_both_ends(7.0, 0.1) == 0.0
+    });
+    t.refuses("scene::differences", "TOML", || differences("seed = ", "seed = 1"));
     t.gives("theory::degree_of_consolidation_drained_top", "no number", || {
         [nan, -0.1, 1.0, 1e300]
             .iter()
