@@ -10,6 +10,7 @@ mod context;
 mod describe;
 pub mod doctor;
 mod error;
+mod kernels;
 pub mod network;
 pub mod pack;
 pub mod permeability;

@@ -22,7 +22,7 @@ use dempfv_report::progress::Progress;
 
 use self::recorder::Recorder;
 pub use self::summary::Report;
-use super::Context;
+use super::{Context, kernels};
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -54,6 +54,9 @@ pub struct Args {
 pub fn run(args: &Args, context: &Context) -> Result<Report> {
     let plan = Plan::load(&args.scene)?;
     let folder = folder(args)?;
+    if let Some(fluid) = &plan.fluid {
+        kernels::announce(fluid.solver);
+    }
     let interrupted = context.interruption()?;
     let restarted_at =
         args.restart.as_ref().map(|path| checkpoint::load::<SimulationState>(path)).transpose()?;

@@ -14,6 +14,7 @@ use dempfv_report::table;
 use dempfv_report::{machine, versions};
 use serde::Serialize;
 
+use super::super::kernels;
 use super::remesh::Remesh;
 
 /// How a run ended.
@@ -115,6 +116,7 @@ impl Report {
         let seen = simulation.observe();
         let (pores, unknowns) = networks(simulation);
         let wall_s = wall.as_secs_f64();
+        let kernels = plan.fluid.as_ref().and_then(|fluid| kernels::warning(fluid.solver));
         let stage = |(stage, done)| FinishedStage::of(plan.mechanics(stage), done);
         Report {
             title: plan.title.clone(),
@@ -146,7 +148,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
-            warnings: simulation.warnings(),
+            warnings: simulation.warnings().into_iter().chain(kernels).collect(),
             versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: plan.stages.iter().zip(simulation.outcomes()).map(stage).collect(),
