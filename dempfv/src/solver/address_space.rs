@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::SolverError;
 
-/// A buffer of OpenBLAS 0.3.21 and 0.3.29 on x86-64 in whole pages, as the system is asked for it.
+/// A buffer of OpenBLAS 0.3.21 on x86-64 in whole pages, as the system is asked for it.
 const BUFFER_BYTES: u64 = (128 << 20) + 2 * 4096;
 
 /// Rows of matrices whose product OpenBLAS needs its buffer for: it multiplies smaller ones without.
