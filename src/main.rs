@@ -4,6 +4,7 @@
 //! simulation cannot go on.
 #![warn(missing_docs)]
 
+mod address_space;
 mod commands;
 mod evidence;
 
@@ -14,6 +15,7 @@ use clap::Parser;
 use commands::{Cli, Context};
 
 fn main() -> ExitCode {
+    address_space::start_without_blas_threads();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return usage(&error),

@@ -6,7 +6,6 @@ mod program;
 use std::process::{Command, Output};
 
 #[cfg(target_os = "linux")]
-use program::packing;
 use program::{Folder, error, scene};
 
 const STAGE: &str = "
@@ -76,19 +75,6 @@ fn a_tight_limit_is_told() {
     let message = error(&refused);
     assert_eq!(refused.status.code(), Some(2), "{message}");
     assert!(message.contains("left by ulimit -v"), "{message}");
-}
-
-/// The BLAS finds no room for its buffers (128 MiB a thread), for which OpenBLAS asks again and
-/// again: an error of its own (status 3) instead of a program that never ends.
-#[test]
-#[cfg(target_os = "linux")]
-fn a_blas_without_room_is_told() {
-    let folder = Folder::new("blas");
-    let command = format!("network {} --threads 1", packing("oedometer-5000.txt"));
-    let output = limited(&folder, &command, 180_000);
-    let message = error(&output);
-    assert_eq!(output.status.code(), Some(3), "{message}");
-    assert!(message.contains("ran out of memory in factor"), "{message}");
 }
 
 /// The program with a limit on its address space.

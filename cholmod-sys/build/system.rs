@@ -23,9 +23,6 @@ pub fn cholmod() -> Result<Vec<PathBuf>, String> {
     let dirs = find("CHOLMOD", CHOLMOD_MIN, "cholmod", "cholmod.h", "libsuitesparse-dev")?;
     // Holds SuiteSparse's version function; part of every CHOLMOD.
     println!("cargo::rustc-link-lib=suitesparseconfig");
-    // Under CHOLMOD anyway; linked by name because it is also called directly.
-    require_library("blas", "libopenblas-dev")?;
-    println!("cargo::rustc-link-lib=blas");
     Ok(dirs)
 }
 

@@ -8,56 +8,6 @@ use std::ffi::{CStr, c_char, c_int};
 
 use crate::loaded::{file_of, symbol};
 
-/// `CblasColMajor`.
-pub const COLUMNS: c_int = 102;
-/// `CblasNoTrans`.
-pub const PLAIN: c_int = 111;
-/// `CblasTrans`.
-pub const TRANSPOSED: c_int = 112;
-/// `CblasLower`.
-pub const LOWER: c_int = 122;
-/// `CblasNonUnit`.
-pub const NON_UNIT: c_int = 131;
-/// `CblasRight`.
-pub const RIGHT: c_int = 142;
-
-unsafe extern "C" {
-    /// C = alpha op(A) op(B) + beta C in single precision.
-    pub fn cblas_sgemm(
-        order: c_int,
-        trans_a: c_int,
-        trans_b: c_int,
-        m: c_int,
-        n: c_int,
-        k: c_int,
-        alpha: f32,
-        a: *const f32,
-        lda: c_int,
-        b: *const f32,
-        ldb: c_int,
-        beta: f32,
-        c: *mut f32,
-        ldc: c_int,
-    );
-
-    /// B = alpha op(A)⁻¹ B or alpha B op(A)⁻¹ for a triangular A, in single
-    /// precision.
-    pub fn cblas_strsm(
-        order: c_int,
-        side: c_int,
-        uplo: c_int,
-        trans_a: c_int,
-        diagonal: c_int,
-        m: c_int,
-        n: c_int,
-        alpha: f32,
-        a: *const f32,
-        lda: c_int,
-        b: *mut f32,
-        ldb: c_int,
-    );
-}
-
 /// Sets the number of BLAS threads, for the whole process.
 ///
 /// Returns false where the loaded BLAS is not OpenBLAS: nothing was set then
@@ -92,6 +42,19 @@ pub fn description() -> String {
         return text.to_string_lossy().trim().to_owned();
     }
     library_path().unwrap_or_else(|| "unknown BLAS".to_owned())
+}
+
+/// The processor that the kernels in use are made for, by OpenBLAS's name for it; `None` where the
+/// BLAS is not OpenBLAS.
+pub fn kernels() -> Option<String> {
+    let address = symbol(c"openblas_get_corename")?;
+    // SAFETY: OpenBLAS declares `char *openblas_get_corename(void)`; the string is static and ends
+    // in NUL.
+    let name = unsafe {
+        let get: extern "C" fn() -> *const c_char = std::mem::transmute(address);
+        CStr::from_ptr(get())
+    };
+    Some(name.to_string_lossy().into_owned())
 }
 
 /// The file that provides `dgemm`.
@@ -177,8 +140,9 @@ mod tests {
         assert!(!description().is_empty());
         if set_num_threads(1) {
             assert_eq!(num_threads(), Some(1));
+            assert!(kernels().is_some_and(|name| description().contains(&name)));
         } else {
-            assert_eq!(num_threads(), None);
+            assert_eq!((num_threads(), kernels()), (None, None));
         }
     }
 }

@@ -82,11 +82,12 @@ fn advice() -> Vec<String> {
     let mut advice = Vec::new();
     if blas::threads().is_none() {
         advice.push(
-            "the BLAS is not OpenBLAS, so factorizations are slower or their threads unknown; \
-             install libopenblas0-pthread"
+            "the BLAS is not OpenBLAS, so CHOLMOD is slower or its threads unknown (the frontal \
+             solver uses no BLAS); install libopenblas0-pthread"
                 .to_owned(),
         );
     }
+    advice.extend(blas::old_kernels().map(|kernels| kernels.to_string()));
     advice.extend(versions::cholmod_advice());
     advice
 }

@@ -10,6 +10,7 @@ mod context;
 mod describe;
 pub mod doctor;
 mod error;
+mod kernels;
 mod memory;
 pub mod network;
 pub mod pack;

@@ -12,6 +12,8 @@ use dempfv::{Error, InputError};
 use dempfv_report::format::{bytes, count, duration};
 use serde::Serialize;
 
+use super::kernels;
+
 /// Solves are repeated for about this long (s), and the fastest is told.
 const MEASURE_FOR: f64 = 0.2;
 
@@ -59,8 +61,10 @@ pub struct Report {
     unknowns: usize,
     /// Entries of the lower triangle with the diagonal.
     entries: usize,
+    /// What CHOLMOD computes with.
     blas: String,
     blas_threads: Option<usize>,
+    warnings: Vec<String>,
     solvers: Vec<SolverReport>,
     /// Solvers that are not for this matrix.
     refused: Vec<Refusal>,
@@ -122,6 +126,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         options.device = args.gpu_device.unwrap_or(0);
         options.memory = args.gpu_memory;
     }
+    let warning = kinds.iter().find_map(|&kind| kernels::warning(kind));
     let (mut solvers, mut refused) = (vec![], vec![]);
     let mut x = vec![0.0; a.n];
     for kind in kinds {
@@ -147,6 +152,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         entries: a.nnz(),
         blas: blas::description(),
         blas_threads: blas::threads(),
+        warnings: warning.into_iter().collect(),
         solvers,
         refused,
     })
@@ -222,7 +228,11 @@ impl fmt::Display for Report {
         }
         let threads =
             self.blas_threads.map(|n| format!(", {n} thread{}", if n == 1 { "" } else { "s" }));
-        writeln!(f, "BLAS: {}{}\n", self.blas, threads.unwrap_or_default())?;
+        if self.solvers.iter().any(|run| run.solved_by != SolverKind::Frontal.name()) {
+            writeln!(f, "BLAS of CHOLMOD: {}{}", self.blas, threads.unwrap_or_default())?;
+        }
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
+        writeln!(f)?;
         writeln!(
             f,
             "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",

@@ -197,6 +197,8 @@ pub(super) const FRONTAL: CostModel = CostModel {
     minimum_cuts: 2.6e-8,
     metis: 3.35e-7,
     symbolic: 3.2e-7,
+    // With OpenBLAS's kernels for AVX-512. The solver's own, since 2026-11-30, were seen to take 0.8
+    // of the time at 118,199 unknowns.
     factor_flop: 1.0 / 1.53e11,
     factor_entry: 5.2e-9,
     // Memory that was written to before.

@@ -120,6 +120,19 @@ pub enum SolverError {
         /// Number of unknowns.
         n: usize,
     },
+    /// The limit of the address space leaves no room for the BLAS.
+    #[error(
+        "{solver} needs {needed} bytes of address space for a buffer of OpenBLAS, and the limit \
+         (ulimit -v) leaves {left}; raise it, or use the solver frontal"
+    )]
+    AddressSpace {
+        /// Name of the solver.
+        solver: &'static str,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that are left.
+        left: u64,
+    },
     /// The factor has more entries than the solver can count.
     #[error("{solver} cannot count the entries of the factor of {n} unknowns")]
     TooLarge {

@@ -39,6 +39,7 @@
 //! # }
 //! ```
 
+mod address_space;
 mod auto;
 pub mod blas;
 mod cholmod;
@@ -57,6 +58,7 @@ mod refine;
 
 use std::fmt;
 
+pub use address_space::address_space_limit;
 pub use auto::Auto;
 pub use cholmod::{Cholmod, CholmodGpu};
 pub use cost::{Cost, CostModel, FRONTAL_FROM, Fill, SystemSize};

@@ -1,6 +1,6 @@
 //! Rows of what reads and writes files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{NO_LENGTHS, Table};
 use dempfv::io::history::{History, Value};
@@ -17,7 +17,8 @@ const UNIT: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 0.0), max: Vec3::new(1.0, 1.0
 /// A file that no other test writes: each has a thread of its own.
 fn path(name: &str) -> PathBuf {
     let (process, thread) = (std::process::id(), std::thread::current().id());
-    let folder = std::env::temp_dir().join(format!("dempfv-arguments-{process}-{thread:?}"));
+    let folder =
+        Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("arguments-{process}-{thread:?}"));
     std::fs::create_dir_all(&folder).unwrap();
     folder.join(name)
 }

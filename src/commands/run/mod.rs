@@ -25,7 +25,7 @@ use dempfv_report::progress::Progress;
 use self::recorder::Recorder;
 use self::restart::Restart;
 pub use self::summary::Report;
-use super::{Context, memory};
+use super::{Context, kernels, memory};
 
 /// File that marks a result.
 const SUMMARY: &str = "summary.json";
@@ -59,6 +59,9 @@ pub fn run(args: &Args, context: &Context) -> Result<Report> {
     // A packing file has no more spheres than fit; a cloud has as many as the scene says.
     Specimen::of_cloud(&plan).map(|cloud| memory::check(&plan, &cloud)).transpose()?;
     let folder = folder(args)?;
+    if let Some(fluid) = &plan.fluid {
+        kernels::announce(fluid.solver);
+    }
     let interrupted = context.interruption()?;
     let restarted_at =
         args.restart.as_ref().map(|path| checkpoint::load::<SimulationState>(path)).transpose()?;

@@ -14,6 +14,7 @@ use dempfv_report::table;
 use dempfv_report::{machine, versions};
 use serde::Serialize;
 
+use super::super::kernels;
 use super::remesh::Remesh;
 use super::restart::Restart;
 
@@ -120,6 +121,7 @@ impl Report {
         let seen = simulation.observe();
         let (pores, unknowns) = networks(simulation);
         let wall_s = wall.as_secs_f64();
+        let kernels = plan.fluid.as_ref().and_then(|fluid| kernels::warning(fluid.solver));
         let stage = |(stage, done)| FinishedStage::of(plan.mechanics(stage), done);
         Report {
             title: plan.title.clone(),
@@ -152,7 +154,12 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
-            warnings: status.tight.into_iter().chain(simulation.warnings()).collect(),
+            warnings: status
+                .tight
+                .into_iter()
+                .chain(simulation.warnings())
+                .chain(kernels)
+                .collect(),
             versions: versions::all(),
             state_hash: simulation.state_hash(),
             stages: plan.stages.iter().zip(simulation.outcomes()).map(stage).collect(),

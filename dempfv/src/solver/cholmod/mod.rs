@@ -9,6 +9,7 @@ mod raw;
 
 use std::sync::{Mutex, PoisonError};
 
+use super::address_space::reserve_buffer;
 use super::{
     Analysis, Backend, Cost, Factor, GpuOptions, Placement, SolverError, Symbolic, SymmetricCsc,
     SystemSize, blas, cost, ordering, require_size,
@@ -100,13 +101,13 @@ fn analyze(
         }
     };
     let raw = raw.map_err(|fault| error(fault, "analyze", a.n))?;
-    Ok(Box::new(CholmodFactor::new(a, raw, name, gpu.map(Accelerator::new))))
+    Ok(Box::new(CholmodFactor::new(a, raw, name, gpu.map(Accelerator::new))?))
 }
 
 /// Analyzes a validated matrix by an order of elimination that is known, under its name.
 ///
 /// # Errors
-/// Memory ran out, or CHOLMOD refused.
+/// Memory ran out, or the address space, or CHOLMOD refused.
 pub(super) fn analyze_in_order(
     a: &SymmetricCsc,
     order: &[u32],
@@ -114,7 +115,7 @@ pub(super) fn analyze_in_order(
 ) -> Result<Box<dyn Symbolic>, SolverError> {
     let order: Vec<i64> = order.iter().map(|&k| k.into()).collect();
     let raw = Raw::analyze(a, Some(&order)).map_err(|fault| error(fault, "analyze", a.n))?;
-    Ok(Box::new(CholmodFactor::new(a, raw, ordering, None)))
+    Ok(Box::new(CholmodFactor::new(a, raw, ordering, None)?))
 }
 
 /// The order of elimination that METIS finds, through CHOLMOD: entry k is the
@@ -146,17 +147,18 @@ impl CholmodFactor {
         raw: Raw,
         ordering: &'static str,
         accelerator: Option<Accelerator>,
-    ) -> CholmodFactor {
+    ) -> Result<CholmodFactor, SolverError> {
         blas::choose_default();
+        reserve_buffer(NAME)?;
         let (nnz_l, flops) = raw.counts();
-        CholmodFactor {
+        Ok(CholmodFactor {
             raw,
             n: a.n,
             pattern: a.pattern_hash(),
             analysis: Analysis { ordering, nnz_l: nnz_l as u64, flops },
             accelerator,
             placement: Placement::default(),
-        }
+        })
     }
 
     fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), SolverError> {
@@ -164,9 +166,6 @@ impl CholmodFactor {
             return Err(SolverError::PatternChanged);
         }
         a.check_finite()?;
-        if !blas::has_room(1, size_of::<f64>() * self.analysis.nnz_l as usize) {
-            return Err(error(Fault::OutOfMemory, "factor", self.n));
-        }
         let (result, placement) = match &self.accelerator {
             Some(accelerator) => accelerator.factorize(&mut self.raw, a),
             None => (self.raw.factorize(a), Placement::Cpu),

@@ -1,54 +1,6 @@
-//! Dense operations on tiles in single precision: the BLAS where there is enough to do for it, loops
-//! of our own where there is not.
+//! Operations of a front on vectors, in single precision.
 
-pub use super::block::Block;
-use super::cblas;
-pub use super::cblas::subtract_product;
 use super::microkernel;
-
-/// Below this many columns a loop beats a call of the BLAS.
-const BLAS_COLUMNS: usize = 12;
-
-/// B = B L⁻ᵀ for the lower triangle L (w by w, packed) and `rows` rows of B.
-pub fn solve_right(b: &mut [f32], rows: usize, l: &[f32], w: usize, inverse: &[f32]) {
-    assert!(b.len() >= rows * w && l.len() >= w * w && inverse.len() == w);
-    if rows == 0 || w == 0 {
-        return;
-    }
-    if w <= BLAS_COLUMNS {
-        pulp::Arch::new().dispatch(SolveRight { b, rows, l, w, inverse });
-        return;
-    }
-    cblas::solve_right(b, rows, l, w);
-}
-
-struct SolveRight<'a> {
-    b: &'a mut [f32],
-    rows: usize,
-    l: &'a [f32],
-    w: usize,
-    inverse: &'a [f32],
-}
-
-impl pulp::NullaryFnOnce for SolveRight<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let SolveRight { b, rows, l, w, inverse } = self;
-        for k in 0..w {
-            let (done, rest) = b.split_at_mut((k + 1) * rows);
-            let column = &mut done[k * rows..];
-            column.iter_mut().for_each(|x| *x *= inverse[k]);
-            for (j, later) in rest.chunks_exact_mut(rows).take(w - k - 1).enumerate() {
-                let factor = l[k * w + k + 1 + j];
-                for (y, x) in later.iter_mut().zip(column.iter()) {
-                    *y -= factor * *x;
-                }
-            }
-        }
-    }
-}
 
 /// Sums of a block's columns, subtracted from `sums`: entries are not positive.
 pub fn subtract_column_sums(block: &[f32], rows: usize, sums: &mut [f32]) {

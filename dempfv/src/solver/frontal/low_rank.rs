@@ -14,8 +14,7 @@
 
 use pulp::Simd;
 
-use super::block::{BLOCK_ROWS, PIVOT_BLOCK, words};
-use super::dense::Block;
+use super::block::{BLOCK_ROWS, Block, PIVOT_BLOCK, words};
 use super::shape::TILE;
 
 /// Most rank-one terms of a block.

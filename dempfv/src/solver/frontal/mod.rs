@@ -22,7 +22,6 @@
 //! for any number.
 
 mod block;
-mod cblas;
 mod dense;
 mod extend_add;
 mod kernels;
@@ -32,9 +31,12 @@ mod microkernel;
 mod numeric;
 mod packed;
 mod pivot;
+mod product;
+mod register_tile;
 mod schedule;
 mod shape;
 mod solve;
+mod solve_right;
 mod substitution;
 mod supernodes;
 mod symbolic;
@@ -46,7 +48,7 @@ use rayon::prelude::*;
 
 use super::{
     Analysis, Backend, Cost, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc,
-    SystemSize, blas, cholmod, cost, ordering, refine, require_size,
+    SystemSize, cholmod, cost, ordering, refine, require_size,
 };
 use crate::parallel::{advise_huge_pages, max_norm};
 use m_matrix::MMatrix;
@@ -119,7 +121,6 @@ impl FrontalSymbolic {
         if let Some(points) = coordinates {
             require_size("the list of coordinates", a.n, points.len())?;
         }
-        blas::choose_default();
         let (ordering, order) = match coordinates {
             Some(points) => {
                 let order = ordering::minimum_cuts(a, points);
@@ -204,9 +205,6 @@ impl FrontalFactor {
         self.m_matrix.update(a)?;
         if self.packed.words.is_empty() {
             self.packed = self.symbolic.allocate()?;
-        }
-        if !blas::has_room(rayon::current_num_threads(), 0) {
-            return Err(SolverError::OutOfMemory { solver: NAME, phase: "factor", n: a.n });
         }
         let (values, row_excess) = self.m_matrix.scaled(a, &pattern.order);
         let work =

@@ -5,12 +5,15 @@
 
 use rayon::prelude::*;
 
-use super::dense::{self, Block};
+use super::block::Block;
+use super::dense;
 use super::extend_add::{self, ContributionBlock};
 use super::packed::{self, FactorLayout, FactorSlices};
 use super::pivot;
+use super::product::Product;
 use super::schedule::Schedule;
 use super::shape::Shape;
+use super::solve_right::solve_right;
 use super::symbolic::Pattern;
 
 /// Where a factorization stopped: a column of the factor.
@@ -213,14 +216,14 @@ fn eliminate(
             let k = shape.panel_width(earlier);
             let a = start + shape.tile_start(earlier, row);
             let b = start + shape.tile_start(earlier, first);
-            dense::subtract_product(
-                tile,
-                rows,
-                Block::packed(&done[a..a + rows * k], rows),
-                Block::packed(&done[b..b + width * k], width),
-                k,
-                1.0,
-            );
+            let product = Product {
+                a: Block::packed(&done[a..a + rows * k], rows),
+                b: Block::packed(&done[b..b + width * k], width),
+                depth: k,
+                lower: row == first,
+                fresh: false,
+            };
+            product.subtract_from(tile, rows);
         }
     };
     if panel > 0 {
@@ -237,7 +240,7 @@ fn eliminate(
     pivot::factor_diagonal(diagonal, &mut rest, inverse).map_err(|k| first + k)?;
     let (triangle, inverse) = (&*diagonal, &*inverse);
     each(tiles_below(shape, panel, below), parallel, |(_, rows, tile)| {
-        dense::solve_right(tile, rows, triangle, width, inverse);
+        solve_right(tile, rows, triangle, inverse);
     });
     pivot::invert_pivot_blocks(diagonal, width);
 
@@ -277,14 +280,14 @@ fn schur_complement(shape: Shape, l: &[f32], entries: &mut [f32], parallel: bool
             let k = shape.panel_width(panel);
             let a = start + shape.tile_start(panel, shape.width + rows.start);
             let b = start + shape.tile_start(panel, shape.width + from);
-            dense::subtract_product(
-                tile,
-                rows.len,
-                Block::packed(&l[a..a + rows.len * k], rows.len),
-                Block::packed(&l[b..b + n * k], n),
-                k,
-                if panel == 0 { 0.0 } else { 1.0 },
-            );
+            let product = Product {
+                a: Block::packed(&l[a..a + rows.len * k], rows.len),
+                b: Block::packed(&l[b..b + n * k], n),
+                depth: k,
+                lower: rows.start == from,
+                fresh: panel == 0,
+            };
+            product.subtract_from(tile, rows.len);
         }
     });
 }

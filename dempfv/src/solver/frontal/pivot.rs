@@ -1,8 +1,9 @@
 //! The triangle on a panel's diagonal: factored without cancellation (Grassmann, Taksar and Heyman
 //! 1985), and the inverses of its diagonal blocks that solves use.
 
-use super::block::PIVOT_BLOCK;
-use super::dense::{Block, subtract_product, total};
+use super::block::{Block, PIVOT_BLOCK};
+use super::dense::total;
+use super::product::Product;
 
 /// Replaces the triangles of pivot blocks on the diagonal of a packed lower triangle
 /// (w by w) by their inverses, and what is above the diagonal there by zero.
@@ -66,7 +67,8 @@ pub fn factor_diagonal(t: &mut [f32], rest: &mut [f32], inverse: &mut [f32]) -> 
             let height = w - from;
             let a = Block { data: &done[from..], rows: height, stride: w };
             let b = Block { data: &done[from..], rows: to - from, stride: w };
-            subtract_product(&mut pivot_block[from..], w, a, b, from, 1.0);
+            let product = Product { a, b, depth: from, lower: true, fresh: false };
+            product.subtract_from(&mut pivot_block[from..], w);
             for k in 0..from {
                 let y = rest[k];
                 for (z, l) in rest[from..to].iter_mut().zip(&done[k * w + from..]) {

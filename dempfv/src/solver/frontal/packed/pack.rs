@@ -3,8 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::super::block::PIVOT_BLOCK;
-use super::super::dense::Block;
+use super::super::block::{Block, PIVOT_BLOCK};
 use super::super::low_rank::{LowRank, header_words, low_rank_words};
 use super::super::shape::{Rows, Shape, TILE};
 use super::quantize::{
