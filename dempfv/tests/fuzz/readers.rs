@@ -35,7 +35,7 @@ fn scenes_are_read_or_refused() {
         let plan = Plan::from_toml(&text, Some(&file)).map_err(|e| e.to_string())?;
         plan.validate().unwrap_or_else(|e| panic!("read, but not valid: {e}"));
         let specimen = Specimen::of_cloud(&plan).unwrap_or_default();
-        let estimate = Estimate::of(&plan, &specimen);
+        let estimate = Estimate::of(&plan, &specimen).map_err(|e| e.to_string())?;
         assert!(estimate.memory.is_finite(), "memory of {}", estimate.memory);
         let again = Plan::from_toml(&plan.to_toml(), Some(&file));
         let again = again.unwrap_or_else(|e| panic!("written, but not read: {e}"));

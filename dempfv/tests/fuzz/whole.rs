@@ -69,7 +69,8 @@ fn scenes_give_steps_of_numbers_or_an_error() {
         let plan = Plan::from_toml(&text, Some(&file)).map_err(|e| e.to_string())?;
         let cloud = Specimen::of_cloud(&plan).unwrap_or_default();
         // As the program does: what does not fit is refused before.
-        if cloud.spheres > 1000 || Estimate::of(&plan, &cloud).memory > 1e8 {
+        let memory = Estimate::of(&plan, &cloud).map_err(|e| e.to_string())?.memory;
+        if cloud.spheres > 1000 || memory > 1e8 {
             return Err("too large".to_owned());
         }
         steps(&mut Simulation::new(plan).map_err(|e| e.to_string())?)
