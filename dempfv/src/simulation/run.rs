@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
+use super::estimate::UnstableStage;
 use super::fingerprint::fingerprint;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
 use super::restart::{self, Effect, Origin, Restart, UnderWay};
@@ -214,13 +215,15 @@ impl Simulation {
         self.stress_extremes = PerWall([NO_STRESS; 6]);
     }
 
-    /// A failure of a step, with the time step as its cause where that is above the limit.
+    /// A failure of a step, with a fixed time step as its cause where that is above the limit.
     fn with_cause(&mut self, source: Error) -> Error {
         let bounds = self.coupled.time_step_bounds();
-        let (dt, limit, rule) = (self.clock.dt, bounds.limit(), bounds.rule());
-        match source.spoils_state() && dt > limit {
-            true => Error::Unstable { source: Box::new(source), dt, limit, rule },
-            false => source,
+        let unstable = self.plan.stages.get(self.stage).filter(|_| source.spoils_state());
+        match unstable.and_then(|stage| UnstableStage::of(&self.plan, stage, bounds)) {
+            Some(UnstableStage { dt, limit, rule, .. }) => {
+                Error::Unstable { source: Box::new(source), dt, limit, rule }
+            }
+            None => source,
         }
     }
 

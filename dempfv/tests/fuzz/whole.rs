@@ -12,22 +12,9 @@ use super::corpus;
 use super::harness::{fuzz, inputs};
 use super::readers::vouch;
 
-/// The first factorization looks whether the BLAS has room for its buffers, which no input asks
-/// for.
-fn find_room_for_the_blas() {
-    let text = String::from_utf8(corpus::few_spheres()[0].clone()).unwrap();
-    let packing = Packing::parse(&text).unwrap();
-    let mut boundary = Boundary::default();
-    boundary.pressure[WallId::YMax] = Some(0.0);
-    let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
-    let bounds = packing.bounds.unwrap();
-    Flow::new(&packing.position, &packing.radius, bounds, &fluid, SolverKind::Frontal).unwrap();
-}
-
 /// A flow that is computed is one of numbers.
 #[test]
 fn packings_give_a_flow_of_numbers_or_an_error() {
-    find_room_for_the_blas();
     fuzz("packing to flow", &corpus::few_spheres(), inputs(400, 0.02), |bytes| {
         let text = String::from_utf8_lossy(bytes);
         let packing = Packing::parse(&text).map_err(|e| e.to_string())?;
@@ -60,7 +47,6 @@ fn flow(position: &[Vec3], radius: &[f64], bounds: Aabb) -> Result<(), String> {
 /// A few steps of a scene give numbers.
 #[test]
 fn scenes_give_steps_of_numbers_or_an_error() {
-    find_room_for_the_blas();
     let folder = corpus::folder("small");
     std::fs::write(folder.join("few.txt"), &corpus::few_spheres()[0]).unwrap();
     let file = folder.join("scene.toml");
@@ -81,7 +67,6 @@ fn scenes_give_steps_of_numbers_or_an_error() {
 /// What a checkpoint with a right checksum holds may be anything.
 #[test]
 fn states_go_on_in_numbers_or_are_refused() {
-    find_room_for_the_blas();
     let folder = corpus::folder("states");
     let file = folder.join("a.dempfv");
     checkpoint::save(&file, &corpus::state()).unwrap();
@@ -117,7 +102,6 @@ fn steps(simulation: &mut Simulation) -> Result<(), String> {
 /// Any solver's solution is one of numbers.
 #[test]
 fn matrices_give_solutions_of_numbers_or_an_error() {
-    find_room_for_the_blas();
     let folder = corpus::folder("systems");
     let file = folder.join("a.mtx");
     fuzz("matrix to solution", &corpus::matrices(), inputs(400, 0.02), |bytes| {
