@@ -35,13 +35,16 @@ fn squeezed(viscosity: f64, wall: &str, remesh: &str) -> Simulation {
 /// new network comes into use, the force changes by less than 3 % of its largest value.
 #[test]
 fn the_force_does_not_jump_where_a_network_comes_into_use() {
-    for (viscosity, velocity) in [(1e-3, 0.05), (1e-3, 1.0), (1.0, 0.05), (1.0, 0.5)] {
-        for remesh in ["at once", "background"] {
+    let (once, beside) = ("at once", "background");
+    for (viscosity, velocity, remesh) in
+        [(1e-3, 0.05, once), (1e-3, 1.0, beside), (1.0, 0.05, beside), (1.0, 0.5, once)]
+    {
+        {
             let wall = format!("y_max = {{ velocity = -{velocity:?} }}");
             let mut simulation = squeezed(viscosity, &wall, remesh);
             let (mut before, mut largest, mut jump, mut swaps) = (0.0, 0.0f64, 0.0f64, 0);
             let mut networks = 0;
-            for step in 0..800 {
+            for step in 0..300 {
                 simulation.advance().unwrap();
                 let coupled = simulation.coupled();
                 let force = coupled.observe().fluid_stress[WallId::YMin.index()];

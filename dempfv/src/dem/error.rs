@@ -114,9 +114,8 @@ pub enum DemError {
     },
     /// The centre of a particle has gone through a wall.
     #[error(
-        "particle {particle} has gone through the wall {wall}, at {speed:.3e} m/s towards it, {radii:.2} of its radii \
-         in the last step; the likely cause: {}",
-        cause_of_leaving(*radii)
+        "particle {particle} has gone through the wall {wall}, at {speed:.3e} m/s towards each other, {radii:.2} of \
+         its radii in the last step; the likely cause: {cause}"
     )]
     LeftBox {
         /// The user's number of the particle.
@@ -127,6 +126,8 @@ pub enum DemError {
         speed: f64,
         /// How far that took it in the last step, in radii.
         radii: f64,
+        /// Why, most likely.
+        cause: Leaving,
     },
     /// Two particles share one centre: their contact has no direction.
     #[error("particles {first} and {second} have the same centre")]
@@ -185,15 +186,39 @@ pub enum DemError {
     },
 }
 
-/// Travel in a step, in radii, from which on a contact can be missed.
-const FAST: f64 = 0.1;
+/// Why a sphere goes through a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaving {
+    /// The sphere moves too far in a step.
+    FastSphere,
+    /// The wall does.
+    FastWall,
+    /// The wall does, and a servo moves it.
+    FastServo,
+    /// Neither does: forces are too large for the stiffness, or a wall leaves no room.
+    Pressed,
+}
 
-fn cause_of_leaving(radii: f64) -> &'static str {
-    if radii > FAST {
-        "it goes too far in a step for a contact to stop it; take a smaller time step, or look for what \
-         makes it so fast"
-    } else {
-        "a force presses it through; the stiffness is too low for what acts on it"
+impl std::fmt::Display for Leaving {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Leaving::FastSphere => {
+                "it goes too far in a step for a contact to stop it; take a smaller time step, or look \
+                 for what makes it so fast"
+            }
+            Leaving::FastWall => {
+                "the wall goes too far in a step for a contact to move it along; take a smaller time step, \
+                 or a slower wall"
+            }
+            Leaving::FastServo => {
+                "the servo moves the wall too far in a step for a contact to move it along; give a lower \
+                 max_velocity, or a smaller time step"
+            }
+            Leaving::Pressed => {
+                "it is pressed through; the stiffness is too low for what acts on it, or walls leave no \
+                 room"
+            }
+        })
     }
 }
 

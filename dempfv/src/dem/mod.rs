@@ -59,6 +59,7 @@ mod state;
 mod stiffness_sum;
 mod system;
 mod time_step;
+mod wall_motion;
 mod wall_pairs;
 mod walls;
 
@@ -66,7 +67,7 @@ pub(crate) use contact_forces::ContactForces;
 
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
 pub use contacts::{Contact, Partner};
-pub use error::DemError;
+pub use error::{DemError, Leaving};
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
 pub use material::{Material, WallMaterial};
 pub use particles::Particles;

@@ -52,13 +52,17 @@ impl Particles {
     /// their densities.
     ///
     /// # Errors
-    /// [`DemError::Length`] for arrays of different lengths, [`DemError::NoSuchMaterial`].
+    /// [`DemError::Length`] for arrays of different lengths, [`DemError::NoSuchMaterial`],
+    /// [`DemError::Parameter`] for a material that none is.
     pub fn of_materials(
         position: Vec<Vec3>,
         radius: Vec<f64>,
         material: Vec<u16>,
         materials: &[Material],
     ) -> Result<Particles, DemError> {
+        require_length("radius", radius.len(), position.len())?;
+        require_length("material", material.len(), position.len())?;
+        materials.iter().try_for_each(Material::check)?;
         let mut particles = Particles::new(position, radius, 1.0);
         particles.material = material;
         particles.check_materials(materials.len())?;

@@ -89,7 +89,7 @@ impl ServoLoad {
 }
 
 /// Share of the fluid, with so much force per shift, in the whole stiffness (N/m).
-fn wet_share(per_shift: f64, whole: f64) -> f64 {
+pub(super) fn wet_share(per_shift: f64, whole: f64) -> f64 {
     match per_shift {
         // A step so short that the fluid is all that there is.
         f64::INFINITY => 1.0,

@@ -13,11 +13,11 @@ use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
 use super::pass_input::Input;
-use super::servo::{WallResistance, shifts};
+use super::servo::WallResistance;
 use super::state::{ContactHistory, DemState};
 use super::stiffness_sum::StiffnessSum;
 use super::wall_pairs::WallSum;
-use super::walls::{Wall, WallControl, WallSituation, box_of, check_box, nearest_sphere, walls_of};
+use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
 use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
@@ -55,14 +55,17 @@ pub struct Dem {
     pub(super) materials: Vec<Material>,
     wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
-    pending_dt: f64,
+    pub(super) pending_dt: f64,
     pub(super) list: Neighbours,
     pub(super) forces: Forces,
     /// Centre and radius of each sphere, as the contact pass reads them.
     pub(super) centre: Vec<[f64; 4]>,
     pub(super) wall_sums: PerWall<WallSum>,
     /// See [`Dem::set_wall_resistance`].
-    wall_resistance: WallResistance,
+    pub(super) wall_resistance: WallResistance,
+    /// Smallest radius (m) and softest material of the spheres, since the list was built.
+    pub(super) smallest_radius: f64,
+    pub(super) softest: Material,
     pub(super) external: ExternalLoads,
     /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
     /// contacts, and rotational stiffness over r².
@@ -183,6 +186,8 @@ impl Dem {
             forces: Forces::default(),
             wall_sums: PerWall::default(),
             wall_resistance: PerWall::default(),
+            smallest_radius: 0.0,
+            softest: materials[0],
             external: ExternalLoads::default(),
             stiffness: vec![],
             particles,
@@ -228,24 +233,10 @@ impl Dem {
         Ok(())
     }
 
-    /// With the motion of a sphere that has left the box in the last step.
-    fn explained(&self, error: DemError) -> DemError {
-        let DemError::OutsideBox { particle, wall } = error else { return error };
-        let place = self.place[particle as usize] as usize;
-        let p = &self.particles;
-        let axis = wall.axis();
-        let speed = (p.velocity[place][axis] - self.walls[wall].velocity).abs();
-        DemError::LeftBox {
-            particle,
-            wall,
-            speed,
-            radii: speed * self.pending_dt / p.radius[place],
-        }
-    }
-
     fn rebuild(&mut self) -> Result<(), DemError> {
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         self.list.build(&self.particles, &self.walls, cut_off, skin)?;
+        self.look_at_sizes();
         let end = self.list.bounds.last().copied().unwrap_or_default();
         self.forces.sent.clear();
         self.forces.sent.resize(end.sent, [0.0; 6]);
@@ -330,43 +321,6 @@ impl Dem {
         Ok(())
     }
 
-    fn move_walls(&mut self, dt: f64, fluid: Option<&PerWall<Vec3>>) -> Result<(), DemError> {
-        let box_ = self.box_();
-        let size = box_.size();
-        let softest = self.softest();
-        let loads = PerWall::from_fn(|wall| {
-            let axis = wall.axis();
-            let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
-            let stiffness = self.wall_sums[wall].stiffness;
-            let servo = matches!(self.walls[wall].control, WallControl::Servo { .. });
-            self.walls[wall].servo_load(
-                dt,
-                &WallSituation {
-                    outward: -wall.inward() * force,
-                    stiffness,
-                    area: box_.wall_area(wall),
-                    axis_share: 3.0 * size[axis] / size.sum(),
-                    density: softest.density,
-                    young: softest.young,
-                    nearest: (servo && stiffness == 0.0)
-                        .then(|| nearest_sphere(&self.centre, wall, self.walls[wall].position))
-                        .flatten(),
-                },
-            )
-        });
-        let shifts = shifts(&loads, &self.wall_resistance, dt);
-        for wall in WallId::ALL {
-            if let Some(load) = &loads[wall] {
-                let touched = self.wall_sums[wall].stiffness > 0.0;
-                let wet = self.wall_resistance[wall][wall] > 0.0;
-                let area = box_.wall_area(wall);
-                self.walls[wall].remember(load, shifts[wall], area, (touched, wet));
-            }
-            self.walls[wall].advance(wall, dt, shifts[wall]);
-        }
-        check_box(&self.box_())
-    }
-
     /// One dry step: [`Dem::compute_contacts`], then [`Dem::integrate`].
     ///
     /// # Errors
@@ -418,13 +372,6 @@ impl Dem {
     /// whose.
     pub fn materials(&self) -> &[Material] {
         &self.materials
-    }
-
-    /// The material in which a blow puts up the least stress, the first of several.
-    fn softest(&self) -> Material {
-        let impedance2 = |m: &Material| m.density * m.young;
-        let less = |a: Material, b: &Material| if impedance2(b) < impedance2(&a) { *b } else { a };
-        self.materials.iter().fold(self.materials[0], less)
     }
 
     /// What the walls are made of.

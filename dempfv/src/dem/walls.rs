@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
 use super::material::{finite, positive};
-use super::servo::ServoLoad;
+use super::servo::{ServoLoad, wet_share};
 use crate::{Aabb, PerWall, WallId};
 
 /// What moves a wall along its axis.
@@ -25,8 +25,9 @@ pub enum WallControl {
         /// The wall also goes on with 0.8 of its last shift, so that its speed
         /// comes up to 3.75 times the cut. With `None` it is 10 σ / √(ρ E), with
         /// the larger of the stress wanted and the one there as σ, and density
-        /// and modulus of the spheres: ten times the speed at which a wall
-        /// that strikes them meets that stress.
+        /// and modulus of the softest spheres: ten times the speed at which a
+        /// wall that strikes them meets that stress. It is at most 0.02 of the
+        /// smallest radius in a step, and as much where a fluid carries the wall.
         ///
         /// A wall that no sphere touches comes nearer by a tenth of its
         /// distance in a step, at most by a tenth of a radius, and at least by a
@@ -75,6 +76,8 @@ pub(super) struct WallSituation {
     pub outward: f64,
     /// Normal stiffness of the contacts (N/m).
     pub stiffness: f64,
+    /// What the fluid takes off the force per shift in the step (N/m).
+    pub per_shift: f64,
     /// Area of the wall (m²).
     pub area: f64,
     /// 3 L_a / (L_x + L_y + L_z) for the wall's axis.
@@ -82,15 +85,29 @@ pub(super) struct WallSituation {
     /// Density and contact modulus of the spheres (kg/m³, Pa).
     pub density: f64,
     pub young: f64,
-    /// Distance to the surface of the nearest sphere (m) and its radius (m), of a wall that
-    /// nothing touches.
-    pub nearest: Option<[f64; 2]>,
+    /// The smallest radius of all (m).
+    pub smallest_radius: f64,
+    /// What a wall that nothing touches comes to next.
+    pub nearest: Option<Nearest>,
+}
+
+/// The sphere with its surface nearest to a wall.
+#[derive(Clone, Copy)]
+pub(super) struct Nearest {
+    /// Distance of that surface (m).
+    pub distance: f64,
+    /// Its radius (m).
+    pub radius: f64,
+    /// Stiffness of its contact with the wall (N/m).
+    pub stiffness: f64,
 }
 
 /// Cut of a servo's speed over σ / √(ρ E), which is the speed of a wall that meets the stress σ
 /// on the bodies that it strikes. From below 3 on a column of spheres takes long to follow; from
 /// 30 on it is struck at five times the stress wanted.
 const SPEED_CUT: f64 = 10.0;
+/// Cut of a servo's shift in a step over the smallest radius. A fluid alone may have all of it.
+const SHIFT_CUT: f64 = 0.02;
 /// Share of the distance by which a wall that touches nothing comes nearer in a step, or of a
 /// radius, and of the overlap under the stress wanted, for what it does at least.
 const APPROACH: f64 = 0.1;
@@ -115,14 +132,16 @@ impl Wall {
         let WallControl::Servo { stress, max_velocity } = self.control else { return None };
         let natural = || {
             let stress = stress.abs().max((at.outward / at.area).abs());
-            SPEED_CUT * stress / (at.density * at.young).sqrt()
+            let dry = SPEED_CUT * stress / (at.density * at.young).sqrt() * at.axis_share * dt;
+            let most = SHIFT_CUT * at.smallest_radius;
+            dry.max(wet_share(at.per_shift, at.stiffness + at.per_shift) * most).min(most)
         };
-        let limit = max_velocity.unwrap_or_else(natural) * at.axis_share * dt;
-        let inwards = at.nearest.map_or(limit, |[distance, radius]| {
-            // What puts 4 r² σ on a sphere of the stiffness E r.
-            let overlap = 4.0 * radius * stress.abs() / at.young;
+        let limit = max_velocity.map_or_else(natural, |v| v * at.axis_share * dt);
+        let inwards = at.nearest.map_or(limit, |Nearest { distance, radius, stiffness }| {
+            // What puts 4 r² σ on the sphere.
+            let overlap = 4.0 * radius * radius * stress.abs() / stiffness;
             let approach = (APPROACH * distance.min(radius)).max(FIRST_TOUCH * overlap);
-            max_velocity.map_or(approach, |_| approach.min(limit))
+            max_velocity.map_or(approach.min(APPROACH * radius), |_| approach.min(limit))
         });
         Some(ServoLoad {
             excess: at.outward - stress * at.area,
@@ -183,13 +202,6 @@ impl Wall {
 /// Six fixed walls around a box.
 pub(super) fn walls_of(box_: &Aabb) -> PerWall<Wall> {
     PerWall::from_fn(|w| Wall::new(box_.wall(w)))
-}
-
-/// Distance from a wall at `position` to the nearest surface of a sphere, and that sphere's radius
-/// (m). `centre` holds centres with radii.
-pub(super) fn nearest_sphere(centre: &[[f64; 4]], wall: WallId, position: f64) -> Option<[f64; 2]> {
-    let distance = |c: &[f64; 4]| (c[wall.axis()] - position) * wall.inward() - c[3];
-    centre.iter().map(|c| [distance(c), c[3]]).min_by(|a, b| a[0].total_cmp(&b[0]))
 }
 
 /// The box between the walls.

@@ -55,15 +55,27 @@ impl Difference {
 /// # Errors
 /// One of the texts is no TOML.
 pub fn differences(before: &str, now: &str) -> Result<Vec<Difference>, InputError> {
-    let parse = |text| {
-        DeTable::parse(text).map_err(|e| {
-            InputError::new(format!("a scene is not TOML: {}", e.message()), "give a scene file")
-        })
-    };
     let (first, second) = (parse(before)?, parse(now)?);
     let mut comparison = Comparison { texts: [before, now], path: vec![], found: vec![] };
     comparison.tables(first.get_ref(), second.get_ref());
     Ok(comparison.found)
+}
+
+/// Names of the stages of a scene as [`Plan::to_toml`](super::Plan::to_toml) writes it, in their
+/// order.
+///
+/// # Errors
+/// The text is no TOML.
+pub(crate) fn stage_names(scene: &str) -> Result<Vec<String>, InputError> {
+    let scene = parse(scene)?;
+    let stages = items(scene.get_ref().get("stage"));
+    Ok(stages.iter().filter_map(stage_name).map(str::to_owned).collect())
+}
+
+fn parse(text: &str) -> Result<Spanned<DeTable<'_>>, InputError> {
+    DeTable::parse(text).map_err(|e| {
+        InputError::new(format!("a scene is not TOML: {}", e.message()), "give a scene file")
+    })
 }
 
 /// A value, where its key is there.

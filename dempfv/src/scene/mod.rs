@@ -26,6 +26,7 @@ mod wrong;
 
 pub use crate::dem::WallControl;
 pub use dem::{Dem, TimeStep};
+pub(crate) use difference::stage_names;
 pub use difference::{Difference, differences};
 pub use fluid::Fluid;
 pub use output::Output;

@@ -69,13 +69,13 @@ impl SimulationState {
         self.clock.time
     }
 
-    /// How far the run had come, in the stages of a plan.
-    fn under_way<'a>(&'a self, plan: &'a Plan) -> UnderWay<'a> {
+    /// How far the run had come, in the stages of these names.
+    fn under_way<'a>(&'a self, names: &'a [String]) -> UnderWay<'a> {
         let steps = self.clock.step - self.stage_start.0;
-        let going = self.active.as_ref().zip(plan.stages.get(self.stage as usize));
+        let going = self.active.as_ref().zip(names.get(self.stage as usize));
         UnderWay {
             over: self.outcomes.iter().map(|o| o.name.as_str()).collect(),
-            stage: going.map(|(active, stage)| (stage.name.as_str(), active.kind(), steps)),
+            stage: going.map(|(active, name)| (name.as_str(), active.kind(), steps)),
         }
     }
 }
@@ -130,12 +130,13 @@ impl Simulation {
     ) -> Result<Simulation> {
         plan.validate()?;
         let stage = state.stage as usize;
-        check_stages(&plan, &state)?;
+        let names = scene::stage_names(&state.origin.scene)?;
+        check_stages(&plan, &state, &names)?;
         let differences = scene::differences(&state.origin.scene, &plan.to_toml())?;
         let step = state.clock.step;
         // The box first: a cloud's radii follow from it.
         let origin = state.origin.with(&plan)?;
-        let changed = restart::judge(&plan, &differences, &state.under_way(&plan))?;
+        let changed = restart::judge(&plan, &differences, &state.under_way(&names))?;
         let mut warnings = state.warnings;
         for change in changed.iter().filter(|change| change.effect == Effect::Odd) {
             warn(&mut warnings, Warning::Restarted { step, change: change.clone() });
@@ -422,8 +423,9 @@ fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
     }
 }
 
-/// Refuses a state that has come through other stages than the plan's.
-fn check_stages(plan: &Plan, state: &SimulationState) -> Result<(), InputError> {
+/// Refuses a state that has come through other stages than the plan's; `names` are those of its own
+/// scene.
+fn check_stages(plan: &Plan, state: &SimulationState, names: &[String]) -> Result<(), InputError> {
     let remedy = "restart with the scene that the checkpoint was made with";
     if state.stage_start.0 > state.clock.step {
         let what = "the checkpoint's stage begins after its last step";
@@ -436,7 +438,8 @@ fn check_stages(plan: &Plan, state: &SimulationState) -> Result<(), InputError> 
         return Err(InputError::new(what, remedy));
     }
     let done = state.outcomes.iter().map(|o| (o.name.as_str(), o.outcome.kind()));
-    let going = state.active.iter().map(|a| (plan.stages[begun - 1].name.as_str(), a.kind()));
+    let name = names.get(state.stage as usize).map_or("", String::as_str);
+    let going = state.active.iter().map(|a| (name, a.kind()));
     for ((name, kind), stage) in done.chain(going).zip(&plan.stages) {
         if (name, kind) != (stage.name.as_str(), stage.kind.name()) {
             let what = format!(

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::changes::Changes;
 use super::context::{Context, Progress};
+use super::servo_watch::ServoWatch;
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
 use crate::pfv::Flow;
@@ -39,6 +40,7 @@ pub struct State {
     next_sample: f64,
     steps: u64,
     max_steps: u64,
+    servos: ServoWatch,
 }
 
 impl State {
@@ -59,7 +61,8 @@ impl State {
         let before = context.coupled.dem().wall_stress(plan.wall);
         context.coupled.controls().set_control(plan.wall, servo(plan))?;
         let dem = context.coupled.dem();
-        let load = plan.stress - before;
+        // Of the stress on the wall, the pressure where the fluid leaves is no load on the spheres.
+        let load = plan.stress - outside - before;
         let height = dem.box_().size()[axis.index()];
         let drainage_path = height / drained_walls.len() as f64;
         Ok(State {
@@ -85,6 +88,7 @@ impl State {
             next_sample: FIRST,
             steps: 0,
             max_steps: plan.max_steps,
+            servos: ServoWatch::default(),
         })
     }
 
@@ -121,6 +125,7 @@ impl State {
         context.step()?;
         self.steps += 1;
         let now = self.time_factor(context.clock);
+        self.servos.look(context, self.progress(context.clock));
         let Some(flow) = context.coupled.storage_flow() else { return Ok(Progress::Running) };
         if self.steps == 1 {
             let shares = self
@@ -141,6 +146,7 @@ impl State {
             self.result.profiles.push(self.profile(now, flow));
         }
         if over {
+            self.servos.warn(context);
             return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {

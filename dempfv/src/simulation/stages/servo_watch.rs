@@ -21,6 +21,8 @@ pub(super) struct ServoWatch {
     steps: u64,
     sum: PerWall<f64>,
     range: PerWall<[f64; 2]>,
+    /// The largest stress of the whole stage (Pa).
+    largest: PerWall<f64>,
 }
 
 impl ServoWatch {
@@ -29,13 +31,14 @@ impl ServoWatch {
         // As a cast has it, what is no number is the first part.
         let part = (progress * PARTS).min(PARTS - 1.0) as u64;
         if self.steps == 0 || part > self.part {
-            *self = ServoWatch { part, ..ServoWatch::default() };
+            *self = ServoWatch { part, largest: self.largest, ..ServoWatch::default() };
             self.range = PerWall([[f64::INFINITY, f64::NEG_INFINITY]; 6]);
         }
         self.steps += 1;
         for (wall, _) in servos(context) {
             let stress = context.coupled.wall_stress(wall);
             self.sum[wall] += stress;
+            self.largest[wall] = self.largest[wall].max(stress.abs());
             let [low, high] = &mut self.range[wall];
             (*low, *high) = (low.min(stress), high.max(stress));
         }
@@ -44,12 +47,14 @@ impl ServoWatch {
     /// Warns of the walls that have missed their goal when the stage ends.
     pub fn warn(&self, context: &mut Context) {
         let missed: Vec<Warning> = servos(context)
-            .filter(|(_, asked)| *asked != 0.0 && self.steps > 0)
+            .filter(|_| self.steps > 0)
             .filter_map(|(wall, asked)| {
                 let mean = self.sum[wall] / self.steps as f64;
                 let range = self.range[wall];
-                let off = |stress: f64| (stress - asked).abs() / asked.abs();
-                let missed = off(mean) > MISS || range.iter().any(|&stress| off(stress) > SWING);
+                // Of no stress at all, a share is one of what there was.
+                let whole = if asked == 0.0 { self.largest[wall] } else { asked.abs() };
+                let off = |stress: f64, share: f64| (stress - asked).abs() > share * whole;
+                let missed = off(mean, MISS) || range.iter().any(|&stress| off(stress, SWING));
                 let stage = context.stage.name.clone();
                 missed.then_some(Warning::ServoMissed(ServoMissed {
                     stage,
