@@ -101,6 +101,12 @@ impl SymmetricCsc {
         self.row_idx.len()
     }
 
+    /// Whether 32 bits count the entries of both triangles, as our orderings and elimination trees
+    /// do.
+    pub(super) fn counts_in_32_bits(&self) -> bool {
+        u32::try_from(2 * self.nnz()).is_ok()
+    }
+
     /// The entries of a column: rows and values.
     fn column(&self, j: usize) -> (&[i64], &[f64]) {
         let range = self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize;
