@@ -197,6 +197,12 @@ impl SymmetricCsc {
         self.scatter(x, y, |a| a);
     }
 
+    /// y = |A| |x|, as [`SymmetricCsc::product`].
+    pub(super) fn absolute_product(&self, x: &[f64], y: &mut [f64]) {
+        let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        self.scatter(&x, y, f64::abs);
+    }
+
     /// y = f(A) x for a function of each entry.
     fn scatter(&self, x: &[f64], y: &mut [f64], f: impl Fn(f64) -> f64) {
         y.fill(0.0);
@@ -245,7 +251,7 @@ impl SymmetricCsc {
 }
 
 /// Largest absolute value; not a number if any entry is none.
-fn norm_inf(x: &[f64]) -> f64 {
+pub(super) fn norm_inf(x: &[f64]) -> f64 {
     // f64::max would drop a NaN.
     x.iter().fold(0.0, |norm, &v| if v.abs() > norm || v.is_nan() { v.abs() } else { norm })
 }
