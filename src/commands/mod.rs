@@ -5,6 +5,7 @@
 //! [`Serialize`](serde::Serialize) (for programs, `--json`). It becomes one variant of
 //! [`Command`] and one line of [`execute`].
 
+mod accuracy;
 pub mod check;
 mod context;
 mod describe;

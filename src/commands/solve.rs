@@ -12,6 +12,7 @@ use dempfv::{Error, InputError};
 use dempfv_report::format::{bytes, count, duration};
 use serde::Serialize;
 
+use super::accuracy::Accuracy;
 use super::kernels;
 
 /// Solves are repeated for about this long (s), and the fastest is told.
@@ -94,6 +95,8 @@ struct SolverReport {
     residual: f64,
     /// Largest error of an unknown where the solution is known.
     forward_error: Option<f64>,
+    #[serde(flatten)]
+    accuracy: Accuracy,
     memory_bytes: usize,
     /// Where the factorization was computed.
     placement: Placement,
@@ -126,12 +129,15 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         options.device = args.gpu_device.unwrap_or(0);
         options.memory = args.gpu_memory;
     }
-    let warning = kinds.iter().find_map(|&kind| kernels::warning(kind));
+    let mut warnings = Vec::from_iter(kinds.iter().find_map(|&kind| kernels::warning(kind)));
     let (mut solvers, mut refused) = (vec![], vec![]);
     let mut x = vec![0.0; a.n];
     for kind in kinds {
         match measure(kind, &a, &b, &mut x, known) {
-            Ok(report) => solvers.push(report),
+            Ok(report) => {
+                warnings.extend(report.accuracy.warning(report.solver));
+                solvers.push(report);
+            }
             // Nobody asked for a solver of networks' matrices only.
             Err(
                 reason
@@ -152,7 +158,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         entries: a.nnz(),
         blas: blas::description(),
         blas_threads: blas::threads(),
-        warnings: warning.into_iter().collect(),
+        warnings,
         solvers,
         refused,
     })
@@ -186,6 +192,7 @@ fn measure(
         factor.solve(b, x)?;
         solve_s = solve_s.min(start.elapsed().as_secs_f64());
     }
+    let accuracy = Accuracy::of(&mut *factor, a, b, x)?;
     Ok(SolverReport {
         solver: kind.name(),
         solved_by: factor.solver(),
@@ -195,6 +202,7 @@ fn measure(
         solve_s,
         residual,
         forward_error: known.map(|known| x.iter().map(|x| (x - known).abs()).fold(0.0, f64::max)),
+        accuracy,
         memory_bytes: factor.memory_bytes(),
         placement: factor.placement().clone(),
     })
@@ -235,7 +243,7 @@ impl fmt::Display for Report {
         writeln!(f)?;
         writeln!(
             f,
-            "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
             "solver",
             "ordering",
             "analyze",
@@ -245,12 +253,13 @@ impl fmt::Display for Report {
             "flops",
             "residual",
             "error",
+            "condition",
             "memory"
         )?;
         self.solvers.iter().try_for_each(|run| {
             writeln!(
                 f,
-                "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9.3e} {:>9.3e} {:>9.1e} {:>9} {:>9}",
+                "{:<11} {:<9} {:>9} {:>9} {:>9} {:>9.3e} {:>9.3e} {:>9.1e} {:>9} {:>9.1e} {:>9}",
                 run.solver,
                 run.analysis.ordering,
                 duration(run.analyze_s),
@@ -260,6 +269,7 @@ impl fmt::Display for Report {
                 run.analysis.flops,
                 run.residual,
                 run.forward_error.map_or("-".to_owned(), |e| format!("{e:.1e}")),
+                run.accuracy.condition,
                 bytes(run.memory_bytes as f64),
             )
         })?;

@@ -23,6 +23,18 @@ pub enum SolverError {
         /// Pivot divided by the diagonal entry of the matrix.
         ratio: f64,
     },
+    /// The system is so badly conditioned that round-off decides its solution.
+    #[error(
+        "the matrix is singular to working precision: its condition number is about {condition:.1e}, \
+         and round-off alone may change the solution by {error:.1e} of its size, so that no digit \
+         can be trusted"
+    )]
+    IllConditioned {
+        /// Estimate of the condition number, see [`condition_number`](super::condition_number).
+        condition: f64,
+        /// Estimate of the relative error, see [`forward_error`](super::forward_error).
+        error: f64,
+    },
     /// The solver is for matrices without positive entries off the diagonal.
     #[error(
         "the entry in row {row}, column {column} is {value:e}; this solver is for matrices whose \

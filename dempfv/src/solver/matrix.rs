@@ -101,6 +101,12 @@ impl SymmetricCsc {
         self.row_idx.len()
     }
 
+    /// Whether 32 bits count the entries of both triangles, as our orderings and elimination trees
+    /// do.
+    pub(super) fn counts_in_32_bits(&self) -> bool {
+        u32::try_from(2 * self.nnz()).is_ok()
+    }
+
     /// The entries of a column: rows and values.
     fn column(&self, j: usize) -> (&[i64], &[f64]) {
         let range = self.col_ptr[j] as usize..self.col_ptr[j + 1] as usize;
@@ -191,6 +197,12 @@ impl SymmetricCsc {
         self.scatter(x, y, |a| a);
     }
 
+    /// y = |A| |x|, as [`SymmetricCsc::product`].
+    pub(super) fn absolute_product(&self, x: &[f64], y: &mut [f64]) {
+        let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        self.scatter(&x, y, f64::abs);
+    }
+
     /// y = f(A) x for a function of each entry.
     fn scatter(&self, x: &[f64], y: &mut [f64], f: impl Fn(f64) -> f64) {
         y.fill(0.0);
@@ -239,7 +251,7 @@ impl SymmetricCsc {
 }
 
 /// Largest absolute value; not a number if any entry is none.
-fn norm_inf(x: &[f64]) -> f64 {
+pub(super) fn norm_inf(x: &[f64]) -> f64 {
     // f64::max would drop a NaN.
     x.iter().fold(0.0, |norm, &v| if v.abs() > norm || v.is_nan() { v.abs() } else { norm })
 }

@@ -2,7 +2,8 @@
 
 use super::Table;
 use dempfv::solver::{
-    ConjugateGradients, ErrorGoal, Factor, SolverKind, SymmetricCsc, SystemSize, blas, ordering,
+    ConjugateGradients, ErrorGoal, Factor, SolverKind, SymmetricCsc, SystemSize, blas,
+    condition_number, forward_error, ordering,
 };
 
 /// Three pores in a row between two imposed pressures.
@@ -45,6 +46,7 @@ pub fn table() -> Table {
     matrices(&mut t);
     for kind in KINDS {
         factors(&mut t, kind);
+        conditions(&mut t, kind);
     }
     gradients(&mut t);
     t.refuses("solver::ordering::order", "coordinates", || ordering::order(&row(), &[[0.0; 3]]));
@@ -158,6 +160,37 @@ fn factors(t: &mut Table, kind: SolverKind) {
     for (b, x, columns) in [(6, 3, 2), (5, 5, 2), (6, 6, 3), (3, 3, 0), (6, 6, usize::MAX)] {
         t.refuses(many, "entries", || {
             factor(kind).solve_many(&vec![1.0; b], &mut vec![0.0; x], columns)
+        });
+    }
+}
+
+fn conditions(t: &mut Table, kind: SolverKind) {
+    let (condition, error) = ("solver::condition_number", "solver::forward_error");
+    let ones = [1.0; 3];
+    t.refuses(condition, "3 unknowns", || condition_number(&mut *factor(kind), &pair()));
+    t.refuses(error, "3 unknowns", || {
+        forward_error(&mut *factor(kind), &pair(), &[1.0; 2], &[1.0; 2])
+    });
+    for (word, a) in malformed() {
+        t.refuses(condition, word, || condition_number(&mut *factor(kind), &a));
+        t.refuses(error, word, || forward_error(&mut *factor(kind), &a, &ones, &ones));
+    }
+    for length in [0, 2, 4] {
+        let other = vec![1.0; length];
+        t.refuses(error, "right-hand side", || {
+            forward_error(&mut *factor(kind), &row(), &other, &ones)
+        });
+        t.refuses(error, "the solution", || {
+            forward_error(&mut *factor(kind), &row(), &ones, &other)
+        });
+    }
+    for value in [f64::NAN, f64::INFINITY] {
+        t.refuses(error, "right-hand side", || {
+            forward_error(&mut *factor(kind), &row(), &[1.0, value, 1.0], &ones)
+        });
+        t.gives(error, "infinite for a solution that is no number", || {
+            let x = [1.0, value, 1.0];
+            forward_error(&mut *factor(kind), &row(), &ones, &x) == Ok(f64::INFINITY)
         });
     }
 }

@@ -92,7 +92,8 @@ fn analyze(
     if let Some(points) = coordinates {
         require_size("the list of coordinates", a.n, points.len())?;
     }
-    let (name, raw) = match coordinates {
+    // Minimum cuts count in 32 bits, METIS in 64.
+    let (name, raw) = match coordinates.filter(|_| a.counts_in_32_bits()) {
         Some(points) => ("minimum cuts", Raw::analyze(a, Some(&ordering::minimum_cuts(a, points)))),
         None => {
             // A panic in another analysis leaves nothing behind in METIS.
@@ -256,5 +257,22 @@ fn error(fault: Fault, phase: &'static str, n: usize) -> SolverError {
         Fault::NotPositiveDefinite | Fault::SmallPivot => {
             SolverError::Refused { solver, phase, what: "a pivot is not positive".to_owned() }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One unknown that is joined to all others, eliminated first: all of L fills in, with
+    /// n (n + 1) / 2 = 2.45e9 entries, more than 2³¹.
+    #[test]
+    fn factors_beyond_31_bits_are_counted() {
+        let n = 70_000;
+        let joined = (1..n).flat_map(|k| [(k, k, 1.0), (k, 0, -1.0)]);
+        let a = SymmetricCsc::from_triplets(n, joined.chain([(0, 0, n as f64)])).unwrap();
+        let order: Vec<u32> = (0..n as u32).collect();
+        let symbolic = analyze_in_order(&a, &order, "given").unwrap();
+        assert_eq!(symbolic.analysis().nnz_l, (n * (n + 1) / 2) as u64);
     }
 }

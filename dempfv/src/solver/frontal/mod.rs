@@ -115,8 +115,9 @@ impl FrontalSymbolic {
         coordinates: Option<&[[f64; 3]]>,
     ) -> Result<FrontalSymbolic, SolverError> {
         a.validate()?;
-        if u32::try_from(2 * a.nnz()).is_err() {
-            return Err(SolverError::TooLarge { solver: NAME, n: a.n });
+        let too_large = SolverError::TooLarge { solver: NAME, n: a.n };
+        if !a.counts_in_32_bits() {
+            return Err(too_large);
         }
         if let Some(points) = coordinates {
             require_size("the list of coordinates", a.n, points.len())?;
@@ -128,8 +129,12 @@ impl FrontalSymbolic {
             }
             None => ("metis", cholmod::metis_order(a)?),
         };
-        let pattern = Pattern::new(a, order);
+        let Some(pattern) = Pattern::new(a, order) else { return Err(too_large) };
         let schedule = Schedule::new(&pattern);
+        // Places of unknowns have 32 bits.
+        if u32::try_from(schedule.vectors).is_err() {
+            return Err(too_large);
+        }
         let layout = FactorLayout::new(&pattern);
         let analysis = Analysis { ordering, nnz_l: pattern.nnz_l, flops: pattern.flops };
         let hash = a.pattern_hash();
@@ -457,7 +462,7 @@ mod tests {
         let run = |threads: usize, low_rank: bool| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let pattern = Pattern::new(a, cholmod::metis_order(a).unwrap());
+                let pattern = Pattern::new(a, cholmod::metis_order(a).unwrap()).unwrap();
                 let schedule = Schedule { low_rank, ..Schedule::new(&pattern) };
                 let layout = FactorLayout::new(&pattern);
                 let analysis = Analysis { ordering: "metis", nnz_l: 0, flops: 0.0 };

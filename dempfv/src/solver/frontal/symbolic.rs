@@ -52,8 +52,9 @@ pub struct MatrixEntries {
 }
 
 impl Pattern {
-    /// Analyzes a pattern for the order of elimination.
-    pub fn new(a: &SymmetricCsc, order: Vec<u32>) -> Pattern {
+    /// Analyzes a pattern for the order of elimination. None where a front has more entries than
+    /// [`MatrixEntries::target`] can tell apart.
+    pub fn new(a: &SymmetricCsc, order: Vec<u32>) -> Option<Pattern> {
         let n = a.n;
         let place = inverse(&order);
         let parent = tree::parents(&tree::rows(a, &place), n);
@@ -82,13 +83,14 @@ impl Pattern {
         };
         let mut start = vec![0; count + 1];
         for s in 0..count {
+            u32::try_from(shape(s).len()).ok()?;
             start[s + 1] = start[s] + shape(s).len();
         }
         let target = targets(&columns, &first, &owner, &rows, &shape);
         let map = relative_rows(&first, &front_parent, &rows);
         let entries = MatrixEntries { column_start: columns.start, source, target };
         let children = tree::children(&front_parent);
-        Pattern {
+        Some(Pattern {
             n,
             order,
             place,
@@ -101,7 +103,7 @@ impl Pattern {
             entries,
             nnz_l,
             flops,
-        }
+        })
     }
 
     /// Number of supernodes.
@@ -250,4 +252,47 @@ fn relative_rows(first: &[u32], front_parent: &[u32], rows: &FrontRows) -> Vec<u
         }
     });
     map
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::packed::FactorLayout;
+    use super::*;
+
+    /// One unknown that is joined to all others, which are joined to nothing else.
+    fn hub(n: usize) -> SymmetricCsc {
+        let joined = (1..n).flat_map(|k| [(k, k, 1.0), (k, 0, -1.0)]);
+        SymmetricCsc::from_triplets(n, joined.chain([(0, 0, n as f64)])).unwrap()
+    }
+
+    /// The hub first: then all of L fills in, n (n + 1) / 2 entries.
+    fn filled(n: u32) -> Option<Pattern> {
+        Pattern::new(&hub(n as usize), (0..n).collect())
+    }
+
+    /// 2.45e9 entries of L, more than 2³¹, in one front.
+    #[test]
+    fn factors_beyond_31_bits_are_counted() {
+        let n = 70_000;
+        let pattern = filled(n).unwrap();
+        let entries = u64::from(n) * u64::from(n + 1) / 2;
+        assert_eq!((pattern.supernodes(), pattern.nnz_l), (1, entries));
+        assert!(pattern.start[1] as u64 > entries);
+        // Two entries a word, rounded up to whole blocks of rows.
+        let words = FactorLayout::new(&pattern).end().words as u64;
+        assert!(words > entries / 2 - 16 * u64::from(n) && words < entries, "{words}");
+        // The last entry of the hub's column lies in the last tile of the first panel.
+        let last = pattern.shape(0).index(n as usize - 1, 0);
+        assert!(pattern.entries.target.contains(&u32::try_from(last).unwrap()));
+    }
+
+    /// 93,000 columns in one front are 4.3e9 entries, more than 2³²: places in it would start again
+    /// from zero. The same pattern with the hub last fills nothing in.
+    #[test]
+    fn a_front_beyond_32_bits_is_refused() {
+        let n = 93_000;
+        assert!(filled(n).is_none());
+        let sparse = Pattern::new(&hub(n as usize), (0..n).rev().collect()).unwrap();
+        assert_eq!(sparse.nnz_l, 2 * u64::from(n) - 1);
+    }
 }

@@ -9,10 +9,14 @@ use super::super::{SolverError, SymmetricCsc, require_size};
 ///
 /// # Errors
 /// The matrix is malformed ([`SymmetricCsc::validate`]; its values do not matter), or the
-/// order is no permutation of its unknowns.
+/// order is no permutation of its unknowns, or the matrix has over 2³¹ entries, which are not
+/// counted.
 pub fn factor_entries(a: &SymmetricCsc, permutation: &[i64]) -> Result<u64, SolverError> {
     a.validate_pattern()?;
     require_size("the order of elimination", a.n, permutation.len())?;
+    if !a.counts_in_32_bits() {
+        return Err(SolverError::TooLarge { solver: "the ordering", n: a.n });
+    }
     let mut place = vec![NONE; a.n];
     for (k, &unknown) in permutation.iter().enumerate() {
         let free = usize::try_from(unknown).ok().and_then(|v| place.get_mut(v));

@@ -46,14 +46,17 @@ const SERIAL_VERTICES: usize = 8192;
 ///
 /// # Errors
 /// The matrix is malformed ([`SymmetricCsc::validate`]; its values do not matter), or the
-/// points are not one per unknown.
+/// points are not one per unknown, or the matrix has over 2³¹ entries, which 32 bits do not count.
 pub fn order(a: &SymmetricCsc, points: &[[f64; 3]]) -> Result<Vec<i64>, SolverError> {
     a.validate_pattern()?;
+    if !a.counts_in_32_bits() {
+        return Err(SolverError::TooLarge { solver: "the ordering", n: a.n });
+    }
     require_size("the list of coordinates", a.n, points.len())?;
     Ok(minimum_cuts(a, points))
 }
 
-/// [`order`] for a matrix that has been validated, with one point per unknown.
+/// [`order`] for a matrix that has been validated and whose entries 32 bits count, with one point per unknown.
 pub(super) fn minimum_cuts(a: &SymmetricCsc, points: &[[f64; 3]]) -> Vec<i64> {
     let graph = Graph::whole(a, points);
     let mut permutation = vec![0; graph.len()];
