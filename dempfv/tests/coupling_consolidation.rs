@@ -169,3 +169,33 @@ fn the_settlement_is_the_volume_drained() {
     assert!(error.abs() < 1e-10, "{error:e} after {steps} steps");
     assert!(simulation.coupled().largest_imbalance() < 1e-10);
 }
+
+/// What the fluid holds up at the drained end is no load on the spheres: the same consolidation under
+/// 5 kPa more, in the fluid and on the wall.
+#[test]
+fn a_pressure_outside_is_no_load() {
+    let course = |outside: f64| {
+        let text =
+            oedometer(200, 0.3).replace("y_max = 0.0", &format!("y_max = {outside:?}")).replace(
+                "stress = 1.1e4\n        until",
+                &format!("stress = {:?}\n        until", 1.1e4 + outside),
+            );
+        let mut simulation = start(&text);
+        finish(&mut simulation);
+        consolidation(&simulation).clone()
+    };
+    let (without, with) = (course(0.0), course(5e3));
+    assert!((with.load_pa / without.load_pa - 1.0).abs() < 1e-2, "{}", with.load_pa);
+    let (a, b) = (degree(&without, 0.25), degree(&with, 0.25));
+    assert!((a - b).abs() < 0.02, "{a} {b}");
+}
+
+/// A load that never arrives is told: the wall may hardly move.
+#[test]
+fn a_load_that_does_not_arrive_is_told() {
+    let text = oedometer(100, 0.2).replace("max_velocity = 0.1", "max_velocity = 1e-9");
+    let mut simulation = start(&text);
+    finish(&mut simulation);
+    let warnings = simulation.warnings();
+    assert!(warnings.iter().any(|w| w.contains("the servo on y_max")), "{warnings:?}");
+}

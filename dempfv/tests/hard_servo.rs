@@ -198,3 +198,40 @@ fn a_triaxial_test_does_not_depend_on_the_axes() {
         }
     }
 }
+
+/// Six walls at a tenth of the modulus, which close in on the packing from a hundredth of that
+/// stress: no wall is so fast that it goes over a sphere, and each carries its stress in the end.
+#[test]
+fn large_stresses_do_not_shoot_walls_over_spheres() {
+    let mut simulation = dry(&format!("steps = 3000\nwalls = {{ {} }}", six("stress = 1.0e5")));
+    while simulation.advance().unwrap() {}
+    for wall in WallId::ALL {
+        let stress = simulation.coupled().wall_stress(wall);
+        assert!((stress / 1e5 - 1.0).abs() < 0.01, "{wall}: {stress}");
+    }
+    assert_eq!(simulation.warnings(), Vec::<String>::new());
+}
+
+/// No stress at all is a goal, too: a wall that a fluid holds up for long is told.
+#[test]
+fn a_wall_that_should_carry_nothing_and_does_is_told() {
+    let text = format!("steps = 60\nwalls = {{ y_max = {{ stress = 0.0, max_velocity = 1e-6 }} }}");
+    let mut simulation = dry(&text);
+    while simulation.advance().unwrap() {}
+    let warnings = simulation.warnings();
+    assert!(warnings.iter().any(|w| w.contains("y_max was asked for 0")), "{warnings:?}");
+}
+
+/// The packing of 1,000 spheres in a stage.
+fn dry(stage: &str) -> Simulation {
+    let packing = concat!(env!("CARGO_MANIFEST_DIR"), "/../packings/oedometer-1000.txt");
+    let text = format!(
+        "[particles]\npacking = {packing:?}\nyoung = 1e6\n[dem]\ndamping = 0.2\n\
+         [[stage]]\nkind = \"run\"\n{stage}\n"
+    );
+    Simulation::new(Plan::from_toml(&text, None).unwrap()).unwrap()
+}
+
+fn six(control: &str) -> String {
+    WallId::ALL.map(|wall| format!("{} = {{ {control} }}", wall.name())).join(", ")
+}

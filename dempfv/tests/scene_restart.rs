@@ -430,3 +430,23 @@ fn an_earlier_format_is_refused() {
     assert!(error.contains("format 6") && error.contains("format 7"), "{error}");
     assert!(error.contains("begin the run anew"), "{error}");
 }
+
+/// A stage that has begun keeps its name and its place: another name, a stage before it, or none in
+/// its place would go on with what it was told, so it is refused.
+#[test]
+fn stages_that_have_begun_keep_their_names() {
+    let text = squeezed();
+    let state = state_in(&text, "load", 50);
+    let other = "[[stage]]\nkind = \"run\"\nname = \"other\"\nsteps = 40\n";
+    let load = text.find("[[stage]]\n        kind = \"run\"\n        name = \"load\"").unwrap();
+    let rest = text.find("[[stage]]\n        kind = \"run\"\n        name = \"rest\"").unwrap();
+    let renamed = text.replacen("name = \"load\"", "name = \"Load\"", 1);
+    let before = format!("{}{other}{}", &text[..load], &text[load..]);
+    let without = format!("{}{}", &text[..load], &text[rest..]);
+    for (edited, found) in [(renamed, "`Load`"), (before, "`other`"), (without, "`rest`")] {
+        let error = Simulation::restart(plan(&edited), state.clone()).err().unwrap();
+        let message = error.to_string();
+        assert!(error.is_input() && message.contains("`load`"), "{message}");
+        assert!(message.contains(found), "{message}");
+    }
+}
