@@ -215,8 +215,8 @@ fn large_stresses_do_not_shoot_walls_over_spheres() {
 /// No stress at all is a goal, too: a wall that a fluid holds up for long is told.
 #[test]
 fn a_wall_that_should_carry_nothing_and_does_is_told() {
-    let text = format!("steps = 60\nwalls = {{ y_max = {{ stress = 0.0, max_velocity = 1e-6 }} }}");
-    let mut simulation = dry(&text);
+    let mut simulation =
+        dry("steps = 60\nwalls = { y_max = { stress = 0.0, max_velocity = 1e-6 } }");
     while simulation.advance().unwrap() {}
     let warnings = simulation.warnings();
     assert!(warnings.iter().any(|w| w.contains("y_max was asked for 0")), "{warnings:?}");
