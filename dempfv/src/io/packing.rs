@@ -144,7 +144,7 @@ impl Packing {
     ///
     /// # Errors
     /// A number of copies is 0, there are more spheres than fit 32-bit numbers or memory, the
-    /// copies reach beyond double precision, or the packing is none ([`write`] has the rules).
+    /// copies reach beyond double precision, or the packing is none ([`write()`] has the rules).
     pub fn tiled(&self, copies: [u32; 3]) -> Result<Packing, InputError> {
         check(&self.position, &self.radius, self.bounds.as_ref())?;
         let count =
