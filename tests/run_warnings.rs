@@ -71,6 +71,9 @@ fn a_tight_limit_is_told() {
     assert!(tight.status.success(), "{}", error(&tight));
     let said = String::from_utf8_lossy(&tight.stdout).into_owned();
     assert!(said.contains("it may run out of memory") && said.contains("ulimit -v"), "{said}");
+    let hopeless = limited(&folder, "check scene.toml --threads 1 --json -", 300_000);
+    let said = String::from_utf8_lossy(&hopeless.stdout).into_owned();
+    assert!(said.contains("it is refused here"), "{said}");
     let refused = limited(&folder, "run scene.toml --threads 1 --out out", 300_000);
     let message = error(&refused);
     assert_eq!(refused.status.code(), Some(2), "{message}");

@@ -25,9 +25,16 @@ pub fn check(plan: &Plan, specimen: &Specimen) -> Result<Option<String>, Error> 
     Ok(tight(estimate, room))
 }
 
-/// A warning where an estimate comes close to what there is.
+/// A warning where an estimate comes close to what there is, or where a run would be refused.
 pub fn tight(estimate: f64, room: Room) -> Option<String> {
-    (estimate > TIGHT * room.bytes).then(|| words(estimate, room) + ": it may run out of memory")
+    let consequence = if estimate > UNCERTAINTY * room.bytes {
+        "it is refused here"
+    } else if estimate > TIGHT * room.bytes {
+        "it may run out of memory"
+    } else {
+        return None;
+    };
+    Some(format!("{}: {consequence}", words(estimate, room)))
 }
 
 fn words(estimate: f64, Room { bytes: left, bound }: Room) -> String {

@@ -16,6 +16,7 @@ use crate::coupling::{
     Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
     TimeStepBounds, UnmetTolerance,
 };
+use crate::dem::DemError;
 use crate::dem::law::Linear;
 use crate::scene::{self, Plan, Stage};
 use crate::{Error, InputError, PerWall, Result};
@@ -219,7 +220,10 @@ impl Simulation {
     /// A failure of a step, with a fixed time step as its cause where that is above the limit.
     fn with_cause(&mut self, source: Error) -> Error {
         let bounds = self.coupled.time_step_bounds();
-        let unstable = self.plan.stages.get(self.stage).filter(|_| source.spoils_state());
+        // That one says it itself.
+        let known = matches!(source, Error::Dem(DemError::TimeStepTooLarge { .. }));
+        let looked_for = source.spoils_state() && !known;
+        let unstable = self.plan.stages.get(self.stage).filter(|_| looked_for);
         match unstable.and_then(|stage| UnstableStage::of(&self.plan, stage, bounds)) {
             Some(UnstableStage { dt, limit, rule, .. }) => {
                 Error::Unstable { source: Box::new(source), dt, limit, rule }
