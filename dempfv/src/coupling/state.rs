@@ -84,12 +84,8 @@ impl CoupledState {
             .map(|material| density / std::mem::replace(&mut material.density, density))
             .collect();
         let particles = &mut self.dem.particles;
-        for (i, mass) in particles.mass.iter_mut().enumerate() {
-            let material = particles.material.get(i).copied().unwrap_or(0);
-            match factors[usize::from(material)] {
-                1.0 => {}
-                factor => *mass *= factor,
-            }
+        for i in 0..particles.len() {
+            particles.mass[i] *= factors[usize::from(particles.material_of(i))];
         }
     }
 

@@ -18,6 +18,17 @@ pub(super) struct Touch {
     pub overlap: f64,
 }
 
+/// Overlap, as a share of the radius, at which the stiffness of a contact that
+/// does not exist yet is taken; the linear law's does not depend on it.
+const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
+
+impl Touch {
+    /// A contact that does not exist yet, of a sphere of this radius (m).
+    pub fn expected(surfaces: Surfaces, radius: f64) -> Touch {
+        Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * radius }
+    }
+}
+
 /// The two bodies of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Surfaces {

@@ -73,7 +73,7 @@ impl Particles {
     }
 
     /// Index of the material of the sphere at place `i`.
-    pub(super) fn material_of(&self, i: usize) -> u16 {
+    pub(crate) fn material_of(&self, i: usize) -> u16 {
         self.material.get(i).copied().unwrap_or(0)
     }
 

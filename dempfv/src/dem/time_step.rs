@@ -11,10 +11,6 @@ use super::stiffness_sum::StiffnessSum;
 use super::system::Dem;
 use crate::Vec3;
 
-/// Overlap, as a share of the radius, at which the stiffness of a contact that
-/// does not exist yet is taken; the linear law's does not depend on it.
-const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
-
 /// Approach of two surfaces between two looks, as a share of the smallest radius.
 const LOOK_SHARE: f64 = 0.005;
 /// Most steps between two looks at an automatic time step.
@@ -83,8 +79,7 @@ impl Dem {
             let r = p.radius[i];
             let stiffness = |partner: u16| {
                 let surfaces = Surfaces::Spheres(TwoSpheres(r, r), [p.material_of(i), partner]);
-                let touch = Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * r };
-                self.law.stiffness(&touch).normal
+                self.law.stiffness(&Touch::expected(surfaces, r)).normal
             };
             partners.clone().map(stiffness).fold(0.0, f64::max) / p.mass[i]
         };

@@ -9,10 +9,6 @@ use super::system::Dem;
 use super::walls::{Nearest, Wall, WallControl, WallSituation, check_box};
 use crate::{PerWall, Vec3, WallId};
 
-/// Overlap, as a share of the radius, at which the stiffness of a contact that
-/// does not exist yet is taken.
-const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
-
 impl Dem {
     pub(super) fn move_walls(
         &mut self,
@@ -60,8 +56,8 @@ impl Dem {
         let (i, distance) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let radius = self.particles.radius[i];
         let surfaces = Surfaces::Wall(SphereOnPlane(radius), self.particles.material_of(i));
-        let touch = Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * radius };
-        Some(Nearest { distance, radius, stiffness: self.law.stiffness(&touch).normal })
+        let stiffness = self.law.stiffness(&Touch::expected(surfaces, radius)).normal;
+        Some(Nearest { distance, radius, stiffness })
     }
 
     /// Takes the smallest radius and the softest material: that in which a blow puts up the least

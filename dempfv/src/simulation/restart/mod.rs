@@ -54,9 +54,7 @@ pub enum Effect {
 
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value =
-            |value: &Option<String>| value.clone().unwrap_or_else(|| "not given".to_owned());
-        write!(f, "{} is {}, was {}", self.name, value(&self.now), value(&self.before))?;
+        f.write_str(&both_values(&self.name, &self.before, &self.now))?;
         f.write_str(match self.effect {
             Effect::Used => ": used",
             Effect::Odd => ": used, which is odd in the midst of a run",
@@ -83,7 +81,8 @@ pub(super) fn judge(
             Verdict::Odd(note) => (Effect::Odd, note),
             Verdict::NoEffect(note) => (Effect::None, note),
             Verdict::Refused(why) => {
-                refused.push(refusal(difference, &why));
+                let Difference { before, now, .. } = difference;
+                refused.push(format!("{}: {why}", both_values(&difference.name(), before, now)));
                 continue;
             }
         };
@@ -97,10 +96,9 @@ pub(super) fn judge(
     }
 }
 
-fn refusal(difference: &Difference, why: &str) -> String {
+fn both_values(name: &str, before: &Option<String>, now: &Option<String>) -> String {
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "not given".to_owned());
-    let (now, before) = (value(&difference.now), value(&difference.before));
-    format!("{} is {now}, was {before}: {why}", difference.name())
+    format!("{name} is {}, was {}", value(now), value(before))
 }
 
 /// The error of a restart with what it cannot change.

@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::block::Block;
-use super::register_tile::{COLUMNS, RowsOfB, Strip};
+use super::register_tile::{ByColumns, RowsOfB, Strip, for_each_strip};
 
 /// What is subtracted from C, which has the rows of A and as many columns as B has rows.
 pub struct Product<'a> {
@@ -38,22 +38,12 @@ impl WithSimd for Subtract<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let mut copy = RowsOfB::new();
         let columns = self.product.b.rows;
-        for from in (0..columns).step_by(COLUMNS) {
-            match columns - from {
-                1 => self.columns::<S, 1>(simd, &mut copy, from),
-                2 => self.columns::<S, 2>(simd, &mut copy, from),
-                3 => self.columns::<S, 3>(simd, &mut copy, from),
-                4 => self.columns::<S, 4>(simd, &mut copy, from),
-                5 => self.columns::<S, 5>(simd, &mut copy, from),
-                _ => self.columns::<S, COLUMNS>(simd, &mut copy, from),
-            }
-        }
+        for_each_strip(simd, columns, &mut self);
     }
 }
 
-impl Subtract<'_> {
+impl ByColumns for Subtract<'_> {
     #[inline(always)]
     fn columns<S: Simd, const N: usize>(&mut self, simd: S, copy: &mut RowsOfB, from: usize) {
         let Product { a, b, depth, lower, fresh } = self.product;

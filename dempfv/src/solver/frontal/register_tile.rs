@@ -15,7 +15,7 @@ use super::tail::Tail;
 
 /// Most columns in registers: with four vectors of rows they are 24 sums, which keep two pipelines
 /// of multiply-adds busy and leave 8 of 32 registers.
-pub const COLUMNS: usize = 6;
+const COLUMNS: usize = 6;
 
 /// Vectors of rows in registers: half as many where vectors have eight lanes, for processors of
 /// that kind (AVX2) have 16 registers.
@@ -27,7 +27,7 @@ const fn vectors<S: Simd>() -> usize {
 pub struct RowsOfB([f32; COLUMNS * TILE]);
 
 impl RowsOfB {
-    pub const fn new() -> RowsOfB {
+    const fn new() -> RowsOfB {
         RowsOfB([0.0; COLUMNS * TILE])
     }
 
@@ -73,6 +73,28 @@ impl<const N: usize> Triangle<N> {
                     x[j][v] = simd.negate_mul_add_e_f32s(solved[v], l, x[j][v]);
                 }
             }
+        }
+    }
+}
+
+/// Work that is done a few columns at a time.
+pub trait ByColumns {
+    /// N columns from this one on; `copy` is memory for their rows of B.
+    fn columns<S: Simd, const N: usize>(&mut self, simd: S, copy: &mut RowsOfB, from: usize);
+}
+
+/// All columns, as many at a time as registers hold.
+#[inline(always)]
+pub fn for_each_strip<S: Simd>(simd: S, columns: usize, work: &mut impl ByColumns) {
+    let mut copy = RowsOfB::new();
+    for from in (0..columns).step_by(COLUMNS) {
+        match columns - from {
+            1 => work.columns::<S, 1>(simd, &mut copy, from),
+            2 => work.columns::<S, 2>(simd, &mut copy, from),
+            3 => work.columns::<S, 3>(simd, &mut copy, from),
+            4 => work.columns::<S, 4>(simd, &mut copy, from),
+            5 => work.columns::<S, 5>(simd, &mut copy, from),
+            _ => work.columns::<S, COLUMNS>(simd, &mut copy, from),
         }
     }
 }

@@ -4,7 +4,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::block::Block;
-use super::register_tile::{COLUMNS, RowsOfB, Strip, Triangle, first};
+use super::register_tile::{ByColumns, RowsOfB, Strip, Triangle, first, for_each_strip};
 
 /// B = B L⁻ᵀ for the lower triangle L (w by w, packed), the inverses of its diagonal and `rows`
 /// rows of B.
@@ -26,22 +26,11 @@ impl WithSimd for SolveRight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let mut copy = RowsOfB::new();
-        let w = self.inverse.len();
-        for from in (0..w).step_by(COLUMNS) {
-            match w - from {
-                1 => self.columns::<S, 1>(simd, &mut copy, from),
-                2 => self.columns::<S, 2>(simd, &mut copy, from),
-                3 => self.columns::<S, 3>(simd, &mut copy, from),
-                4 => self.columns::<S, 4>(simd, &mut copy, from),
-                5 => self.columns::<S, 5>(simd, &mut copy, from),
-                _ => self.columns::<S, COLUMNS>(simd, &mut copy, from),
-            }
-        }
+        for_each_strip(simd, self.inverse.len(), &mut self);
     }
 }
 
-impl SolveRight<'_> {
+impl ByColumns for SolveRight<'_> {
     #[inline(always)]
     fn columns<S: Simd, const N: usize>(&mut self, simd: S, copy: &mut RowsOfB, from: usize) {
         let (rows, w) = (self.rows, self.inverse.len());
