@@ -4,6 +4,7 @@
 pub mod coupling;
 pub mod dem;
 mod domain;
+mod effect;
 mod error;
 mod excerpt;
 mod input;
@@ -17,5 +18,6 @@ mod stage_error;
 pub mod theory;
 
 pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};
+pub use effect::{Effect, EffectKey, Family};
 pub use error::{Error, Result};
 pub use input::InputError;
