@@ -33,11 +33,13 @@
 //! forces across blocks are gathered per particle in a fixed order.
 
 mod by_number;
+mod changes;
 mod cloud;
 mod compiled;
 mod contact_forces;
 mod contacts;
 mod damping;
+mod energy;
 mod error;
 mod external;
 mod grid;
@@ -45,6 +47,7 @@ mod growth;
 mod hilbert;
 mod integrate;
 pub mod law;
+mod ledger;
 mod material;
 mod neighbours;
 mod observe;
@@ -59,6 +62,7 @@ mod state;
 mod stiffness_sum;
 mod system;
 mod time_step;
+mod touch_change;
 mod wall_motion;
 mod wall_pairs;
 mod walls;
@@ -67,6 +71,7 @@ pub(crate) use contact_forces::ContactForces;
 
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
 pub use contacts::{Contact, Partner};
+pub use energy::EnergyBalance;
 pub use error::{DemError, Leaving};
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
 pub use material::{Material, WallMaterial};

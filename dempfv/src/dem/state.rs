@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
+use super::ledger::Ledger;
 use super::material::{finite, positive};
 use super::particles::Particles;
 use super::walls::{Wall, box_of, check_box};
@@ -35,6 +36,8 @@ pub struct DemState {
     /// Length of the last step (s) if the histories have not yet followed its
     /// motion, else 0.
     pub pending_dt: f64,
+    /// Energy by cause, where it is tracked.
+    pub(super) ledger: Option<Ledger>,
 }
 
 impl<T> Default for ContactHistory<T> {
@@ -73,6 +76,7 @@ impl DemState {
         self.walls.values().try_for_each(Wall::check)?;
         self.particles.check()?;
         self.particles.check_digits(&box_)?;
+        self.ledger.iter().try_for_each(Ledger::check)?;
         if self.pending_dt != 0.0 {
             positive("pending_dt", self.pending_dt)?;
         }

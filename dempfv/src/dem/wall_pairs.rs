@@ -2,11 +2,13 @@
 //! the pairs of spheres are.
 
 use super::law::{
-    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SpheresOnWalls, get, put,
+    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SphereOnPlane, SpheresOnWalls, get,
+    put,
 };
 use super::neighbours::WallPair;
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
+use super::touch_change::{TouchChange, slip};
 use crate::{PerWall, Vec3, WallId};
 
 /// Sums over the contacts on a wall.
@@ -52,7 +54,7 @@ impl WallPairRange<'_> {
         let (cut_off, only) = (law.cut_off(), table.wall(0));
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, input, cut_off);
+            next = self.collect::<L>(batch, next, (law, table), input, cut_off);
             if MOTION {
                 self.load_motion::<L, TORQUES>(batch, input);
             }
@@ -76,6 +78,7 @@ impl WallPairRange<'_> {
         &mut self,
         batch: &mut WallBatch<L>,
         mut next: usize,
+        (law, table): (&L, &ParameterTable<L>),
         input: &Input<'_>,
         cut_off: f64,
     ) -> usize {
@@ -97,15 +100,42 @@ impl WallPairRange<'_> {
             count += usize::from(touch);
             if touch != self.touch[next] {
                 self.touch[next] = touch;
-                if !touch {
-                    let length = L::History::LENGTH;
-                    self.history[next * length..][..length].fill(0.0);
-                }
+                self.change(batch, next, (law, table), input);
             }
             next += 1;
         }
         batch.count = count;
         next
+    }
+
+    /// A sphere and a wall have come into touch, or lost it.
+    #[cold]
+    fn change<L: ContactLaw>(
+        &mut self,
+        batch: &mut WallBatch<L>,
+        slot: usize,
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+    ) {
+        let history = &mut self.history[slot * L::History::LENGTH..][..L::History::LENGTH];
+        if batch.tracks_energy {
+            let WallPair { i, wall } = self.pairs[slot];
+            let (i, axis, plane) = (i as usize, wall.axis(), &input.walls[wall]);
+            let centre = input.centre[i];
+            let now = centre[3] - (centre[axis] - plane.position) * wall.inward();
+            let mut velocity = -input.velocity[i];
+            velocity[axis] += plane.velocity;
+            let before = now - input.dt * velocity[axis] * wall.inward();
+            let rim = centre[3] * input.spin[i];
+            let slip = slip(input.dt, &velocity, &rim, &-wall.inward_normal());
+            let parameters = table.wall(input.material.get(i).copied().unwrap_or(0));
+            let radii = SphereOnPlane(centre[3]);
+            let change = TouchChange { radii, now, before, history, slip };
+            change.book(law, &parameters, &mut batch.losses);
+        }
+        if !self.touch[slot] {
+            history.fill(0.0);
+        }
     }
 
     #[inline(always)]

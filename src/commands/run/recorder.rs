@@ -52,7 +52,7 @@ impl Recorder {
     ) -> Result<Recorder> {
         let output = &simulation.plan().output;
         let servos = history::servo_walls(simulation.plan());
-        let columns = history::columns(output.probes.len(), &servos);
+        let columns = history::columns(output, &servos);
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let path = folder.join("history.csv");
         let history = match from {

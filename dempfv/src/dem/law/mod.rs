@@ -8,6 +8,7 @@ mod batch;
 mod contact_law;
 mod geometry;
 mod linear;
+mod loss;
 pub mod vector;
 
 pub use batch::{Batch, CONTACTS_PER_BATCH, History, Lane, ZERO_LANE, get, put};
@@ -16,3 +17,4 @@ pub use geometry::{
     Geometry, Radii, Sliding, SphereOnPlane, SpherePairs, SpheresOnWalls, TwoSpheres,
 };
 pub use linear::{Linear, LinearParameters, LinearScratch};
+pub use loss::{Loss, Losses};
