@@ -19,6 +19,7 @@ mod clamp;
 mod drag;
 mod error;
 mod extrapolation;
+mod flat_pores;
 mod flow;
 mod fluid;
 mod frame;
