@@ -423,11 +423,11 @@ fn an_earlier_format_is_refused() {
     checkpoint::save(&file, &7_u64).unwrap();
     let mut bytes = std::fs::read(&file).unwrap();
     // The format's number stands behind the eight magic bytes.
-    bytes[8] = 6;
+    bytes[8] = 7;
     std::fs::write(&file, bytes).unwrap();
     let error = checkpoint::load::<u64>(&file).unwrap_err().to_string();
     std::fs::remove_file(&file).unwrap();
-    assert!(error.contains("format 6") && error.contains("format 7"), "{error}");
+    assert!(error.contains("format 7") && error.contains("format 8"), "{error}");
     assert!(error.contains("begin the run anew"), "{error}");
 }
 

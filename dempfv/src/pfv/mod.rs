@@ -35,6 +35,7 @@ mod packing_check;
 mod pore;
 mod pore_batch;
 mod pore_conditions;
+mod pore_pressures;
 mod pressure_solver;
 mod remarks;
 mod reusable_analysis;
