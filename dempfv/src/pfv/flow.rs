@@ -5,6 +5,7 @@ use std::fmt;
 use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::packing_check::{check_tolerance, require_finite, require_length};
+use super::pore_pressures::PorePressures;
 use super::pressure_solver::{PressureProblem, PressureSolver};
 use super::terms::{FluidTerm, PoreSource, Sources, Terms};
 use super::{
@@ -57,7 +58,7 @@ pub struct Flow {
     solver: PressureSolver,
     /// Once the geometry has been updated.
     geometry: Option<Box<GeometryUpdate>>,
-    pressure: Vec<f64>,
+    pressures: PorePressures,
     volume_rate: Vec<f64>,
     terms: Terms,
     force: Vec<Vec3>,
@@ -98,18 +99,17 @@ impl Flow {
     pub(super) fn of_parts(parts: FlowParts) -> Flow {
         let FlowParts { network, operators, factor, backend, radius, fluid, imposed, .. } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
-        let mut pressure = vec![0.0; pores];
-        operators.evaluate_pressures(&vec![0.0; unknowns], &mut pressure);
+        let pressures = PorePressures::at_rest(&operators);
         Flow {
             fluid,
             imposed,
             backend,
             build_times: parts.times,
             analysis_reused: parts.analysis_reused,
-            extrapolation: Extrapolation::at_rest(unknowns),
+            extrapolation: Extrapolation::at_rest(unknowns, pressures.reference),
             solver: PressureSolver::new(factor, &operators),
             geometry: None,
-            pressure,
+            pressures,
             volume_rate: vec![0.0; pores],
             terms: Terms::default(),
             force: vec![Vec3::zeros(); radius.len()],
@@ -129,7 +129,7 @@ impl Flow {
         }
         let points = unknown_points(&self.network, &self.operators);
         let (around, matrix) = self.operators.retire();
-        let pressures = TransferSource::new(self.network, around, self.pressure);
+        let pressures = TransferSource::new(self.network, around, self.pressures);
         let backend = self.backend;
         let reusable = |factor| ReusableAnalysis::new(factor, backend, matrix, points);
         (pressures, self.solver.into_factor().map(reusable))
@@ -140,8 +140,17 @@ impl Flow {
     pub fn transfer_pressures(&mut self, from: &TransferSource) {
         self.extrapolation.restart();
         self.solver.statistics.solved = false;
-        from.write(&self.network, &self.operators, &mut self.extrapolation.now);
-        self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
+        let Flow { network, operators, extrapolation, pressures, .. } = self;
+        from.write(network, operators, pressures.reference, &mut extrapolation.now);
+        self.spread_pressures();
+    }
+
+    /// Gives the pores the pressures of the unknowns.
+    fn spread_pressures(&mut self) {
+        let Flow { operators, extrapolation, pressures, .. } = self;
+        let PorePressures { reference, relative, .. } = pressures;
+        operators.evaluate_pressures(&extrapolation.now, *reference, relative);
+        pressures.update_absolute();
     }
 
     /// The network.
@@ -243,17 +252,21 @@ impl Flow {
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<(), PfvError> {
         let Flow {
-            network, operators, volume_rate, terms, extrapolation, pressure, solver, ..
+            network, operators, volume_rate, terms, extrapolation, pressures, solver, ..
         } = self;
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
-        if operators.unknowns() < SERIAL {
+        let PorePressures { reference, relative: pressure, .. } = pressures;
+        let reference = *reference;
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
+        let solved = if operators.unknowns() < SERIAL {
             solver.solve(problem)
         } else {
             // A thread from outside waits for the pool once, not for each loop.
             rayon::scope(|_| solver.solve(problem))
-        }
+        };
+        pressures.update_absolute();
+        solved
     }
 
     /// As [`Flow::update_pressure`] where the network has moved on from its
@@ -274,21 +287,27 @@ impl Flow {
             volume_rate,
             terms,
             extrapolation,
-            pressure,
+            pressures,
             solver,
             geometry,
             ..
         } = self;
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
+        let PorePressures { reference, relative: pressure, .. } = pressures;
+        let reference = *reference;
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
-        solver.iterate(problem, weakened, tolerance)
+        let iterations = solver.iterate(problem, weakened, tolerance);
+        pressures.update_absolute();
+        iterations
     }
 
     /// Last third of [`Flow::solve`]: `f = F p`.
     pub fn update_force(&mut self) {
-        self.operators.evaluate_forces(&self.pressure, &mut self.force, &mut self.wall_force);
+        let Flow { network, operators, pressures, force, wall_force, .. } = self;
+        operators.evaluate_forces(&pressures.relative, force, wall_force);
+        pressures.push_walls(&network.bounds, wall_force);
     }
 
     /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
@@ -358,8 +377,9 @@ impl Flow {
         }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
+            self.extrapolation.measure_from(self.pressures.reference);
             self.solver.statistics.solved = self.extrapolation.is_solution();
-            self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
+            self.spread_pressures();
             self.update_force();
         }
         Ok(())
@@ -451,7 +471,7 @@ impl Flow {
 
     /// Pressure of each pore (Pa).
     pub fn pressure(&self) -> &[f64] {
-        &self.pressure
+        self.pressures.absolute()
     }
 
     /// Rate at which each pore grows (m³/s).
@@ -472,7 +492,7 @@ impl Flow {
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self) -> [f64; 6] {
         let mut flux = [0.0; 6];
-        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
+        self.operators.evaluate_flux(&self.pressures.relative, self.demand(), &mut flux);
         flux
     }
 
@@ -480,7 +500,7 @@ impl Flow {
     /// (m³/s).
     pub fn imposed_flux(&self) -> Vec<f64> {
         let mut flux = vec![0.0; self.operators.conditions().sets()];
-        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
+        self.operators.evaluate_flux(&self.pressures.relative, self.demand(), &mut flux);
         flux.truncate(self.operators.conditions().imposed_sets());
         flux.split_off(6)
     }

@@ -137,6 +137,7 @@ impl GeometryUpdate {
         let frame = Frame { x, r: radius, size: bounds.size() };
         network.bounds = *bounds;
         let mut degradation = self.update_pores(&frame, network, operators);
+        self.place_flat_pores(&frame, network);
         self.update_throats(&frame, network, fluid);
         self.x = frame.x;
         degradation.lost += self.write_conductances(network, fluid);
@@ -181,6 +182,15 @@ impl GeometryUpdate {
             degradation
         });
         degradation.reduce(GeometryDegradation::default, GeometryDegradation::and)
+    }
+
+    /// Those that were flat when the network was built: whether others are is round-off.
+    fn place_flat_pores(&mut self, frame: &Frame, network: &mut Network) {
+        let Network { flat, tessellation, center, bounds, .. } = network;
+        flat.place(frame, tessellation, &mut self.local);
+        for i in flat.numbers() {
+            center[i] = self.local[i] + bounds.min;
+        }
     }
 
     fn update_throats(&mut self, frame: &Frame, network: &Network, fluid: &Fluid) {

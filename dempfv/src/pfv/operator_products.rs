@@ -75,7 +75,7 @@ impl Operators {
     pub fn pressures(&self, solution: &[f64], out: &mut [f64]) -> Result<(), PfvError> {
         require_length("solution", solution.len(), self.unknowns(), "unknowns")?;
         require_length("out", out.len(), self.unknown_of.len(), "pores")?;
-        self.evaluate_pressures(solution, out);
+        self.evaluate_pressures(solution, 0.0, out);
         Ok(())
     }
 

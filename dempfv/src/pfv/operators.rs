@@ -234,11 +234,12 @@ impl Operators {
         for_each(out, &|i, v| *v = rate(i));
     }
 
-    /// Spreads the solution over all pores, imposed ones included (Pa).
-    pub(super) fn evaluate_pressures(&self, solution: &[f64], out: &mut [f64]) {
+    /// Spreads the solution over all pores, imposed ones included (Pa): all of them above the
+    /// reference.
+    pub(super) fn evaluate_pressures(&self, solution: &[f64], reference: f64, out: &mut [f64]) {
         for_each(out, &|i, p| {
             *p = match self.unknown_of[i] {
-                NONE => self.imposed(i).unwrap_or(0.0),
+                NONE => self.imposed(i).map_or(0.0, |imposed| imposed - reference),
                 u => solution[u as usize],
             }
         });

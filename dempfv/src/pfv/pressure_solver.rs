@@ -59,8 +59,10 @@ pub(super) struct PressureProblem<'a> {
     pub demand: &'a [f64],
     /// Of the unknowns, with what came before.
     pub extrapolation: &'a mut Extrapolation,
-    /// Of all pores (Pa).
+    /// Of all pores (Pa, above the reference).
     pub pressure: &'a mut [f64],
+    /// What pressures are measured from (Pa).
+    pub reference: f64,
 }
 
 impl PressureSolver {
@@ -91,7 +93,7 @@ impl PressureSolver {
     /// until the tolerance holds.
     pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
         extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
         let net_rate = NetVolumeRate::of(demand);
         let gain_is_due = extrapolation.gain_is_due();
@@ -104,7 +106,7 @@ impl PressureSolver {
             return Ok(());
         };
         self.statistics.unmet = None;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
         let mut refined = RefinedPressures {
             factor,
             problem,
@@ -152,13 +154,13 @@ impl PressureSolver {
         tolerance: f64,
     ) -> Result<Iterations, PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
         let mut went = Iterations::default();
         if let Some(factor) = self.factor.as_deref_mut() {
             extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
             self.scattered.resize(pressure.len(), 0.0);
             operators.evaluate_residual(pressure, demand, &mut self.rhs);
-            let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
+            let goal = goal(operators.conditions(), reference, operators.unknowns(), tolerance);
             let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
             let mut factor = AgedFactor { factor, weakened };
             let (x, residual) = (&mut extrapolation.now, &mut self.rhs);
@@ -168,7 +170,7 @@ impl PressureSolver {
             })?;
         }
         extrapolation.solved();
-        operators.evaluate_pressures(&extrapolation.now, pressure);
+        operators.evaluate_pressures(&extrapolation.now, reference, pressure);
         operators.evaluate_flux(pressure, demand, &mut self.flux);
         self.statistics.imbalance = NetVolumeRate::of(demand).imbalance(&self.flux);
         check_finite(pressure)?;
@@ -246,7 +248,7 @@ impl Refinement for RefinedPressures<'_> {
     /// Enough is enough when both the imbalance of fluid mass and the error are small; the
     /// error is known by what a correction has been seen to leave.
     fn correct(&mut self, round: usize) -> ControlFlow<()> {
-        let PressureProblem { operators, demand, extrapolation, pressure } = &mut self.problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, .. } = &mut self.problem;
         let Sizes { change, pressure: largest } =
             extrapolation.correct(self.correction, &operators.pore_of, pressure);
         self.largest = largest;
@@ -319,8 +321,13 @@ fn correct_weakened(weakened: &[WeakenedThroat], residual: &[f64], correction: &
 
 /// Pressures are measured from the mean imposed one, and their round-off follows from the
 /// largest.
-fn goal(conditions: &PoreConditions, unknowns: usize, relative_error: f64) -> ErrorGoal {
-    let imposed = || conditions.pressures().iter().flatten();
+fn goal(
+    conditions: &PoreConditions,
+    reference: f64,
+    unknowns: usize,
+    relative_error: f64,
+) -> ErrorGoal {
+    let imposed = || conditions.pressures().iter().flatten().map(|p| p - reference);
     let datum = imposed().sum::<f64>() / imposed().count().max(1) as f64;
     let largest = imposed().fold(0.0f64, |m, p| m.max(p.abs()));
     ErrorGoal { relative_error, datum, round_off: ROUND_OFF * largest * (unknowns as f64).sqrt() }

@@ -150,7 +150,7 @@ struct Intervals;
 
 impl Kind<Interval> for Intervals {
     fn read(&self, value: &Value) -> Result<Interval> {
-        match value.is_text() {
+        match value.is_name() {
             true => value.choice(&[("auto", Interval::Auto)]),
             false => value.count(1).map(Interval::Steps),
         }

@@ -226,7 +226,7 @@ impl Simulation {
         let unstable = self.plan.stages.get(self.stage).filter(|_| looked_for);
         match unstable.and_then(|stage| UnstableStage::of(&self.plan, stage, bounds)) {
             Some(UnstableStage { dt, limit, rule, .. }) => {
-                Error::Unstable { source: Box::new(source), dt, limit, rule }
+                Error::Unstable { source: Box::new(source.without_cause()), dt, limit, rule }
             }
             None => source,
         }
