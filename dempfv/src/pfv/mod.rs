@@ -20,6 +20,8 @@ mod drag;
 mod error;
 mod extrapolation;
 mod flow;
+mod flow_storage;
+mod flow_terms;
 mod fluid;
 mod frame;
 mod geometry_update;
@@ -39,12 +41,15 @@ mod remarks;
 mod reusable_analysis;
 mod sealed;
 mod slabs;
+mod storage;
+mod storage_products;
 pub mod terms;
 mod tessellation;
 mod throat;
 mod throat_batch;
 mod transfer;
 mod viscous;
+mod void_volume;
 
 pub(crate) use packing_check::check_tolerance;
 

@@ -17,10 +17,17 @@ pub struct TransferSource {
     center: Vec<Vec3>,
     pressure: Vec<f64>,
     around: Incidence,
+    /// What the pores stored (m³), where they do.
+    content: Option<f64>,
 }
 
 impl TransferSource {
-    pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> TransferSource {
+    pub(super) fn new(
+        network: Network,
+        around: Incidence,
+        pressure: Vec<f64>,
+        content: Option<f64>,
+    ) -> TransferSource {
         let Network { tessellation, center, .. } = network;
         TransferSource {
             spheres: tessellation.spheres,
@@ -28,7 +35,13 @@ impl TransferSource {
             center,
             pressure,
             around,
+            content,
         }
+    }
+
+    /// What the pores stored (m³), for another network of the same spheres.
+    pub(super) fn content_for(&self, network: &Network) -> Option<f64> {
+        self.content.filter(|_| network.tessellation.spheres == self.spheres)
     }
 
     /// Writes the pressures (Pa) of another network's unknowns. Leaves them as
