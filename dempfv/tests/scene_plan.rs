@@ -223,6 +223,7 @@ gravity = [0.1, -9.81, 0.0]
 rotation = false
 [fluid]
 viscosity = 1.7e-3
+bulk_modulus = 2.2e9
 remesh_interval = 77
 remesh_strain = 0.013
 remesh = "background"

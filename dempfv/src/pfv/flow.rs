@@ -7,7 +7,7 @@ use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::packing_check::{check_tolerance, require_finite, require_length};
 use super::pore_pressures::PorePressures;
 use super::pressure_solver::{PressureProblem, PressureSolver};
-use super::terms::{FluidTerm, PoreSource, Sources, Terms};
+use super::terms::{StepTerms, Terms};
 use super::{
     BuildTimes, Fluid, ImposedPressure, Network, NetworkRemarks, Operators, PfvError,
     ReusableAnalysis, TransferSource,
@@ -45,22 +45,22 @@ use crate::{Aabb, Vec3, WallId};
 /// # Ok::<(), dempfv::Error>(())
 /// ```
 pub struct Flow {
-    network: Network,
-    operators: Operators,
+    pub(super) network: Network,
+    pub(super) operators: Operators,
     fluid: Fluid,
     radius: Vec<f64>,
     imposed: Vec<ImposedPressure>,
-    backend: Solver,
+    pub(super) backend: Solver,
     build_times: BuildTimes,
     analysis_reused: bool,
     /// State: what a checkpoint holds.
-    extrapolation: Extrapolation,
-    solver: PressureSolver,
+    pub(super) extrapolation: Extrapolation,
+    pub(super) solver: PressureSolver,
     /// Once the geometry has been updated.
-    geometry: Option<Box<GeometryUpdate>>,
-    pressures: PorePressures,
+    pub(super) geometry: Option<Box<GeometryUpdate>>,
+    pub(super) pressures: PorePressures,
     volume_rate: Vec<f64>,
-    terms: Terms,
+    pub(super) terms: Terms,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
@@ -75,6 +75,7 @@ pub(super) struct FlowParts {
     pub radius: Vec<f64>,
     pub fluid: Fluid,
     pub imposed: Vec<ImposedPressure>,
+    pub terms: Terms,
     pub times: BuildTimes,
     pub analysis_reused: bool,
 }
@@ -97,21 +98,30 @@ pub(super) fn unknown_points(network: &Network, operators: &Operators) -> Vec<[f
 
 impl Flow {
     pub(super) fn of_parts(parts: FlowParts) -> Flow {
-        let FlowParts { network, operators, factor, backend, radius, fluid, imposed, .. } = parts;
+        let FlowParts {
+            network, operators, factor, backend, radius, fluid, imposed, terms, ..
+        } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
-        let pressures = PorePressures::at_rest(&operators);
+        let mut pressures = PorePressures::at_rest(&operators);
+        let mut extrapolation = Extrapolation::at_rest(unknowns, pressures.reference);
+        if operators.storage().is_some() {
+            // It is where the first step begins, not only where the first solve does.
+            let mean = operators.conditions().mean_pressure();
+            extrapolation.now.fill(mean - pressures.reference);
+            pressures.spread(&operators, &extrapolation.now);
+        }
         Flow {
             fluid,
             imposed,
             backend,
             build_times: parts.times,
             analysis_reused: parts.analysis_reused,
-            extrapolation: Extrapolation::at_rest(unknowns, pressures.reference),
+            extrapolation,
             solver: PressureSolver::new(factor, &operators),
             geometry: None,
             pressures,
             volume_rate: vec![0.0; pores],
-            terms: Terms::default(),
+            terms,
             force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
             radius,
@@ -122,35 +132,48 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(mut self) -> (TransferSource, Option<ReusableAnalysis>) {
+    pub fn retire(self) -> (TransferSource, Option<ReusableAnalysis>) {
+        let (pressures, reusable, _) = self.retire_with_terms();
+        (pressures, reusable)
+    }
+
+    /// The same, and the terms that store fluid.
+    pub(super) fn retire_with_terms(
+        mut self,
+    ) -> (TransferSource, Option<ReusableAnalysis>, StepTerms) {
         if let Some(geometry) = self.geometry.take() {
             // After a restart, these are all that is known.
             self.network.center = geometry.built_center();
         }
         let points = unknown_points(&self.network, &self.operators);
+        let time_step = self.time_step().unwrap_or_default();
+        let content =
+            self.operators.storage().map(|storage| storage.content(self.pressures.absolute()));
         let (around, matrix) = self.operators.retire();
-        let pressures = TransferSource::new(self.network, around, self.pressures);
+        let pressures = TransferSource::new(self.network, around, self.pressures, content);
         let backend = self.backend;
         let reusable = |factor| ReusableAnalysis::new(factor, backend, matrix, points);
-        (pressures, self.solver.into_factor().map(reusable))
+        let terms = StepTerms { terms: self.terms.into_storing(), time_step };
+        (pressures, self.solver.into_factor().map(reusable), terms)
     }
 
     /// Takes the pressures of the network that this one replaces: as the
     /// starting point of the next solve. Those of other spheres are ignored.
+    ///
+    /// Where pores store fluid, these pressures are where the next step begins: all free ones are
+    /// then raised or lowered by the same, so that the pores together store what they did.
     pub fn transfer_pressures(&mut self, from: &TransferSource) {
         self.extrapolation.restart();
         self.solver.statistics.solved = false;
         let Flow { network, operators, extrapolation, pressures, .. } = self;
         from.write(network, operators, pressures.reference, &mut extrapolation.now);
         self.spread_pressures();
+        self.keep_content(from);
     }
 
     /// Gives the pores the pressures of the unknowns.
-    fn spread_pressures(&mut self) {
-        let Flow { operators, extrapolation, pressures, .. } = self;
-        let PorePressures { reference, relative, .. } = pressures;
-        operators.evaluate_pressures(&extrapolation.now, *reference, relative);
-        pressures.update_absolute();
+    pub(super) fn spread_pressures(&mut self) {
+        self.pressures.spread(&self.operators, &self.extrapolation.now);
     }
 
     /// The network.
@@ -254,6 +277,9 @@ impl Flow {
         let Flow {
             network, operators, volume_rate, terms, extrapolation, pressures, solver, ..
         } = self;
+        if let Some(storage) = &mut operators.storage {
+            storage.begin(&pressures.relative);
+        }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
         let PorePressures { reference, relative: pressure, .. } = pressures;
@@ -265,6 +291,7 @@ impl Flow {
             // A thread from outside waits for the pool once, not for each loop.
             rayon::scope(|_| solver.solve(problem))
         };
+        terms.settle(operators.storage(), &pressures.relative);
         pressures.update_absolute();
         solved
     }
@@ -292,6 +319,9 @@ impl Flow {
             geometry,
             ..
         } = self;
+        if let Some(storage) = &mut operators.storage {
+            storage.begin(&pressures.relative);
+        }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
         let PorePressures { reference, relative: pressure, .. } = pressures;
@@ -299,6 +329,7 @@ impl Flow {
         let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
         let iterations = solver.iterate(problem, weakened, tolerance);
+        terms.settle(operators.storage(), &pressures.relative);
         pressures.update_absolute();
         iterations
     }
@@ -324,13 +355,17 @@ impl Flow {
         bounds: &Aabb,
     ) -> Result<GeometryDegradation, PfvError> {
         self.network.check_vertices(position, bounds)?;
-        let Flow { network, operators, geometry, radius, fluid, .. } = self;
+        let Flow { network, operators, geometry, radius, fluid, terms, .. } = self;
         let geometry =
             geometry.get_or_insert_with(|| Box::new(GeometryUpdate::new(network, operators)));
-        Ok(geometry.run(network, operators, (position, radius), bounds, fluid))
+        Ok(geometry.run(network, operators, (position, radius), bounds, (fluid, terms)))
     }
 
-    fn require_one_per_sphere(&self, argument: &'static str, found: usize) -> Result<(), PfvError> {
+    pub(super) fn require_one_per_sphere(
+        &self,
+        argument: &'static str,
+        found: usize,
+    ) -> Result<(), PfvError> {
         require_length(argument, found, self.radius.len(), "spheres")
     }
 
@@ -396,64 +431,6 @@ impl Flow {
     /// of the imbalance of fluid mass (1).
     pub fn unmet_tolerance(&self) -> Option<f64> {
         self.solver.statistics.unmet
-    }
-
-    /// Takes a term into the balance of the pores, in the place of one of the same name: from the
-    /// next solve on, of this network.
-    pub fn set_term(&mut self, term: Box<dyn FluidTerm>) {
-        self.terms.set(term);
-    }
-
-    /// Takes a term out of the balance. Returns whether there was one of this name.
-    pub fn remove_term(&mut self, name: &str) -> bool {
-        self.terms.remove(name)
-    }
-
-    /// Names of the terms in the balance beside throats and motion.
-    pub fn terms(&self) -> impl Iterator<Item = &'static str> {
-        self.terms.names()
-    }
-
-    /// Lets fluid enter pores of choice, in the place of earlier sources (none takes these out); `position` has the
-    /// sphere centres (m) that the network was built of. Another network has other pores: who
-    /// builds one sets its sources.
-    ///
-    /// ```
-    /// use dempfv::pfv::terms::PoreSource;
-    /// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, PoreSelection};
-    /// use dempfv::solver::SolverKind;
-    /// use dempfv::{Aabb, Vec3, WallId};
-    ///
-    /// // A box that is open at the top; a litre an hour enters in a corner of the bottom.
-    /// let mut boundary = Boundary::default();
-    /// boundary.pressure[WallId::YMax] = Some(0.0);
-    /// let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
-    /// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
-    /// let x = [Vec3::new(0.3, 0.3, 0.4), Vec3::new(0.7, 0.6, 0.6)];
-    /// let mut flow = Flow::new(&x, &[0.2, 0.2], bounds, &fluid, SolverKind::default())?;
-    /// let rate = 1e-3 / 3600.0;
-    /// let tube = PoreSelection::Around { center: Vec3::zeros(), radius: 0.3 };
-    /// flow.set_sources(&x, &[PoreSource { pores: tube, rate }])?;
-    /// flow.solve_static()?;
-    /// assert!((flow.flux()[WallId::YMax.index()] + rate).abs() < 1e-10 * rate);
-    /// # Ok::<(), dempfv::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`Sources::new`]; for another number of spheres.
-    pub fn set_sources(
-        &mut self,
-        position: &[Vec3],
-        sources: &[PoreSource],
-    ) -> Result<(), PfvError> {
-        self.require_one_per_sphere("position", position.len())?;
-        let sources = Sources::new(&self.network, self.operators.conditions(), position, sources)?;
-        if sources.is_empty() {
-            self.remove_term(Sources::NAME);
-        } else {
-            self.set_term(Box::new(sources));
-        }
-        Ok(())
     }
 
     /// What throats brought to each pore in the last solve (m³/s).

@@ -21,6 +21,8 @@ mod error;
 mod extrapolation;
 mod flat_pores;
 mod flow;
+mod flow_storage;
+mod flow_terms;
 mod fluid;
 mod frame;
 mod geometry_update;
@@ -41,12 +43,15 @@ mod remarks;
 mod reusable_analysis;
 mod sealed;
 mod slabs;
+mod storage;
+mod storage_products;
 pub mod terms;
 mod tessellation;
 mod throat;
 mod throat_batch;
 mod transfer;
 mod viscous;
+mod void_volume;
 
 pub(crate) use packing_check::check_tolerance;
 

@@ -46,7 +46,7 @@ impl Operators {
         if let Some(set) = conditions.pressures().iter().position(|p| !finite(p)) {
             return Err(PfvError::invalid("imposed pressure", set, "is not finite"));
         }
-        Ok(Operators::assemble(network, derivatives, conditions))
+        Ok(Operators::assemble(network, derivatives, conditions, None))
     }
 
     /// `V̇ = E v`: the rate at which each pore grows (m³/s), from the velocities

@@ -32,6 +32,12 @@ impl PorePressures {
         pressures
     }
 
+    /// Takes a solution (Pa, above the reference).
+    pub fn spread(&mut self, operators: &Operators, solution: &[f64]) {
+        operators.evaluate_pressures(solution, self.reference, &mut self.relative);
+        self.update_absolute();
+    }
+
     /// The pressures (Pa).
     pub fn absolute(&self) -> &[f64] {
         if self.reference == 0.0 { &self.relative } else { &self.absolute }

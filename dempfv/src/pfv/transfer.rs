@@ -18,6 +18,8 @@ pub struct TransferSource {
     center: Vec<Vec3>,
     pressures: PorePressures,
     around: Incidence,
+    /// What the pores stored (m³), where they do.
+    content: Option<f64>,
 }
 
 impl TransferSource {
@@ -25,6 +27,7 @@ impl TransferSource {
         network: Network,
         around: Incidence,
         pressures: PorePressures,
+        content: Option<f64>,
     ) -> TransferSource {
         let Network { tessellation, center, .. } = network;
         TransferSource {
@@ -33,7 +36,13 @@ impl TransferSource {
             center,
             pressures,
             around,
+            content,
         }
+    }
+
+    /// What the pores stored (m³), for another network of the same spheres.
+    pub(super) fn content_for(&self, network: &Network) -> Option<f64> {
+        self.content.filter(|_| network.tessellation.spheres == self.spheres)
     }
 
     /// Writes the pressures (Pa, above the reference) of another network's unknowns. Leaves them

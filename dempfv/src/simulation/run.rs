@@ -421,6 +421,7 @@ fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
         wall_material: plan.walls.material,
         options: setup::options(plan),
         saturation: fluid.filter(|_| is_wet).map(|f| f.saturation()),
+        effects: fluid.map(|f| f.effects.clone()).unwrap_or_default(),
         acceleration: fluid.map(|f| f.acceleration).unwrap_or_default(),
         tolerance: fluid.map(|f| f.tolerance),
         probes: plan.output.probes.clone(),
