@@ -105,6 +105,14 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// All three.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// The two walls that are normal to it, the lower first.
+    pub const fn walls(self) -> [WallId; 2] {
+        [WallId::ALL[2 * self as usize], WallId::ALL[2 * self as usize + 1]]
+    }
+
     /// 0, 1 or 2.
     pub const fn index(self) -> usize {
         self as usize

@@ -7,8 +7,7 @@ use dempfv::coupling::TimeStepBounds;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
 use dempfv::scene::{Plan, Stage, StageKind, TimeStep, Until};
-use dempfv::simulation::Stability;
-use dempfv::simulation::{Estimate, Specimen};
+use dempfv::simulation::{Advice, Estimate, Specimen, Stability};
 use dempfv::{Aabb, Error};
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use dempfv_report::memory::room;
@@ -40,6 +39,8 @@ pub struct Report {
     ms_per_step: Option<f64>,
     /// Expected peak memory (bytes).
     memory_bytes: f64,
+    /// What dimensionless numbers say about its effects.
+    advice: Vec<Advice>,
     warnings: Vec<String>,
     estimate: Estimate,
     /// Where the fastest viscous mode lives; `None` where there is no packing
@@ -75,6 +76,8 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let plan = Plan::load(&args.scene)?;
     let (specimen, bounds, stability) = specimen(&plan)?;
     let estimate = Estimate::of(&plan, &specimen)?;
+    let advise = |bounds| Advice::of(&plan, &specimen, &estimate, bounds);
+    let advice = bounds.as_ref().map_or_else(Vec::new, advise);
     let tight = room().and_then(|room| memory::tight(estimate.memory, room));
     let stages = plan
         .stages
@@ -95,6 +98,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         effects: Effects { on: plan.effects_on(), off: plan.effects_off() },
         stages,
         bounds,
+        advice,
         ms_per_step: estimate.ms_per_step(),
         memory_bytes: estimate.memory,
         warnings: estimate.warnings().into_iter().chain(tight).collect(),
@@ -113,7 +117,8 @@ fn specimen(plan: &Plan) -> Result<Known, Error> {
     let Some((packing, bounds)) = plan.packing()? else {
         return Ok((Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds, None));
     };
-    let mut specimen = Specimen::of_radii(&packing.radius);
+    let radii = &packing.radius;
+    let mut specimen = Specimen::of_radii(radii).in_box(radii, &bounds, plan);
     let mut stability = None;
     if !plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_))) {
         if packing.len() <= MEASURED {
@@ -224,6 +229,7 @@ impl fmt::Display for Report {
         }
         self.write_mechanics(f)?;
         self.write_cost(f)?;
+        self.advice.iter().try_for_each(|advice| line(f, "advice", &advice.to_string()))?;
         self.warnings.iter().try_for_each(|warning| line(f, "warning", warning))
     }
 }

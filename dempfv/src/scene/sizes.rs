@@ -72,6 +72,16 @@ impl Sizes {
         4.0 / 3.0 * std::f64::consts::PI * mean_cube
     }
 
+    /// Diameter with the mean ratio of volume to surface, 2 Σ r³ / Σ r² (m).
+    pub fn sauter_diameter(&self) -> f64 {
+        let mean_square = match self {
+            // Second moment of the uniform distribution: m² (1 + s²/3).
+            Sizes::Uniform { mean, spread } => mean.powi(2) * (1.0 + spread * spread / 3.0),
+            Sizes::Classes(classes) => classes.iter().map(|c| c.share * c.radius.powi(2)).sum(),
+        };
+        2.0 * self.mean_volume() / (4.0 / 3.0 * std::f64::consts::PI * mean_square)
+    }
+
     /// Smallest radius that can be drawn (m).
     pub fn smallest(&self) -> f64 {
         match self {

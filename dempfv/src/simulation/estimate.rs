@@ -15,7 +15,11 @@ use crate::coupling::{
 };
 use crate::scene::*;
 use crate::solver::{Cost, Fill, SystemSize};
-use crate::{InputError, Result};
+use crate::theory::sauter_diameter;
+use crate::{Aabb, InputError, Result};
+
+/// Porosity that growth is expected to end at.
+const COMPACTED: f64 = 0.4;
 
 /// What is known about the spheres and pores of a plan.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -24,6 +28,10 @@ pub struct Specimen {
     pub spheres: usize,
     /// Smallest radius (m); 0 where it is not known, which leaves the time step open.
     pub smallest_radius: f64,
+    /// Diameter with the mean ratio of volume to surface (m); 0 where it is not known.
+    pub diameter: f64,
+    /// Share of the box that no sphere fills (1); 0 where it is not known.
+    pub porosity: f64,
     /// Number of pores, if the packing has been triangulated.
     pub pores: Option<usize>,
     /// Number of unknown pressures, if the network is known.
@@ -40,8 +48,21 @@ impl Specimen {
         Specimen {
             spheres: radii.len(),
             smallest_radius: radii.iter().copied().fold(f64::INFINITY, f64::min),
+            diameter: sauter_diameter(radii),
             ..Specimen::default()
         }
+    }
+
+    /// The same spheres in this box, grown to a porosity of 0.4 when the plan compacts them.
+    #[must_use]
+    pub fn in_box(mut self, radii: &[f64], bounds: &Aabb, plan: &Plan) -> Specimen {
+        let solid = 4.0 / 3.0 * std::f64::consts::PI * radii.iter().map(|r| r.powi(3)).sum::<f64>();
+        self.porosity = 1.0 - solid / bounds.volume();
+        if plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_))) {
+            self.diameter *= ((1.0 - COMPACTED) / (1.0 - self.porosity)).cbrt();
+            self.porosity = COMPACTED;
+        }
+        self
     }
 
     /// The cloud of a plan, with its radii grown to a porosity of 0.4 when the plan
@@ -52,13 +73,19 @@ impl Specimen {
         let growth = match &plan.bounds {
             Some(bounds) if compacted => {
                 let solid = f64::from(cloud.count) * cloud.sizes.mean_volume();
-                (0.6 * bounds.volume() / solid).cbrt()
+                ((1.0 - COMPACTED) * bounds.volume() / solid).cbrt()
             }
             _ => 1.0,
         };
+        let porosity = plan.bounds.map_or(0.0, |bounds| {
+            let solid = f64::from(cloud.count) * cloud.sizes.mean_volume() * growth.powi(3);
+            1.0 - solid / bounds.volume()
+        });
         Some(Specimen {
             spheres: cloud.count as usize,
             smallest_radius: growth * cloud.sizes.smallest(),
+            diameter: growth * cloud.sizes.sauter_diameter(),
+            porosity,
             ..Specimen::default()
         })
     }

@@ -19,6 +19,7 @@
 //! # Ok::<(), dempfv::Error>(())
 //! ```
 
+mod advice;
 mod clock;
 mod estimate;
 mod fingerprint;
@@ -31,6 +32,7 @@ mod stages;
 mod warning;
 
 pub use crate::stage_error::StageError;
+pub use advice::{Advice, Verdict};
 pub use estimate::{Estimate, Specimen, UnstableStage};
 pub use outcome::{
     Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,

@@ -8,6 +8,7 @@ use std::time::Duration;
 use dempfv::coupling::{Coupled, GpuUse};
 use dempfv::dem::EnergyBalance;
 use dempfv::scene::{Dem, TimeStep};
+use dempfv::simulation::{Advice, Estimate, Specimen};
 use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
@@ -73,6 +74,8 @@ pub struct Report {
     /// What became of the factorizations; `None` unless the solver asks for a GPU.
     gpu: Option<GpuUse>,
     effects: Vec<&'static str>,
+    /// What dimensionless numbers say about the effects of the scene.
+    advice: Vec<Advice>,
     /// What a user should know, a sentence each.
     warnings: Vec<String>,
     versions: BTreeMap<&'static str, String>,
@@ -158,6 +161,7 @@ impl Report {
                 .filter(|f| matches!(f.solver, SolverKind::CholmodGpu(_)))
                 .map(|_| coupled.gpu_use().clone()),
             effects: plan.effects_on(),
+            advice: advice(simulation),
             warnings: status
                 .tight
                 .into_iter()
@@ -199,6 +203,15 @@ fn gpu_line(gpu: &GpuUse) -> String {
     } else {
         format!("GPU: {}", parts.join("; "))
     }
+}
+
+/// What the sizes of the spheres, as they are now, say about the effects of the plan.
+fn advice(simulation: &Simulation) -> Vec<Advice> {
+    let (plan, dem) = (simulation.plan(), simulation.coupled().dem());
+    let (radii, bounds) = (&dem.storage().radius, dem.box_());
+    let specimen = Specimen::of_radii(radii).in_box(radii, &bounds, plan);
+    let estimate = Estimate::of(plan, &specimen);
+    estimate.map_or_else(|_| vec![], |e| Advice::of(plan, &specimen, &e, &bounds))
 }
 
 fn hidden(coupled: &Coupled) -> Vec<u32> {
