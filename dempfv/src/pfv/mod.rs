@@ -51,7 +51,7 @@ mod viscous;
 pub(crate) use packing_check::check_tolerance;
 
 pub use crate::solver::Iterations;
-pub use boundary::Boundary;
+pub use boundary::{Boundary, SealedPoreRule};
 pub use build::{Analyzed, Assembled};
 pub use build_times::BuildTimes;
 pub use clamp::{Clamp, UnknownClamp};
