@@ -125,6 +125,17 @@ fn sealed_pores_may_drain() {
     let remarks = flow.remarks();
     assert_eq!(remarks.drained_pores as usize, sealed.in_groups());
     assert!(remarks.warnings().iter().any(|w| w.contains("comes from nowhere")));
+
+    // Of pores that are sealed together, each drains.
+    let s = grown(&settled(), 1.15);
+    let mut fluid = along_y();
+    fluid.boundary.sealed_pores = SealedPoreRule::Drained;
+    let mut flow = Flow::new(&s.x, &s.r, s.bounds, &fluid, SolverKind::default()).unwrap();
+    let groups = flow.operators().sealed_pores().groups.clone();
+    assert!(groups.iter().any(|group| group.len() > 1));
+    let velocity: Vec<Vec3> = s.x.iter().map(|x| 1e-3 * Vec3::new(x.y, x.z, x.x)).collect();
+    flow.solve(&velocity, &[0.0; 6]).unwrap();
+    assert!(groups.iter().flatten().all(|&i| flow.pressure()[i as usize] == 0.5));
 }
 
 /// A packing whose largest radius is five times the smallest: its small spheres shut pores in
@@ -142,13 +153,17 @@ fn a_packing_with_sealed_pores_moves_where_they_drain() {
         let mut simulation = Simulation::new(Plan::from_toml(&text, None).unwrap()).unwrap();
         let mut advance = || simulation.advance();
         let end = (0..6).map(|_| advance()).find(|more| !matches!(more, Ok(true))).unwrap();
-        (end, simulation.warnings())
+        (end, simulation)
     };
     let (end, _) = run("");
     let error = end.unwrap_err().to_string();
     assert!(error.contains("no path") && error.contains("sealed_pores = \"drained\""), "{error}");
-    let (end, warnings) = run("sealed_pores = \"drained\"");
+    let (end, simulation) = run("sealed_pores = \"drained\"");
     assert!(!end.unwrap());
+    let flow = simulation.coupled().storage_flow().unwrap();
+    let groups = &flow.operators().sealed_pores().groups;
+    assert!(groups.iter().flatten().all(|&i| flow.pressure()[i as usize] == 0.0));
+    let warnings = simulation.warnings();
     assert!(warnings.iter().any(|w| w.contains("held at the mean")), "{warnings:?}");
 }
 
