@@ -4,7 +4,9 @@
 mod common;
 
 use common::{Spheres, settled, unit_box};
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, PfvError};
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, PfvError, SealedPoreRule};
+use dempfv::scene::Plan;
+use dempfv::simulation::Simulation;
 use dempfv::solver::SolverKind;
 use dempfv::{Vec3, WallId};
 
@@ -102,6 +104,67 @@ fn a_sphere_that_closes_its_box_is_told() {
     } else {
         assert!(matches!(moved, Err(PfvError::SealedPores { .. })));
     }
+}
+
+/// The same sphere with pores that may drain: the wall moves, sealed pores have the imposed pressure,
+/// what they give off is accounted for, and they are counted.
+#[test]
+fn sealed_pores_may_drain() {
+    let mut fluid = along_y();
+    fluid.boundary = Boundary { sealed_pores: SealedPoreRule::Drained, ..Boundary::default() };
+    fluid.boundary.pressure[WallId::XMin] = Some(3.0);
+    let (x, bounds) = (Vec3::repeat(0.5), unit_box(1.0));
+    let mut flow = Flow::new(&[x], &[0.705], bounds, &fluid, SolverKind::default()).unwrap();
+    let sealed = flow.operators().sealed_pores().clone();
+    assert!(!sealed.groups.is_empty(), "{sealed:?}");
+    let mut walls = [0.0; 6];
+    walls[WallId::XMax.index()] = -1.0;
+    flow.solve(&[Vec3::zeros()], &walls).unwrap();
+    assert!(sealed.groups.iter().flatten().all(|&i| flow.pressure()[i as usize] == 3.0));
+    assert!(flow.imbalance() < 1e-12, "{:e}", flow.imbalance());
+    let remarks = flow.remarks();
+    assert_eq!(remarks.drained_pores as usize, sealed.in_groups());
+    assert!(remarks.warnings().iter().any(|w| w.contains("comes from nowhere")));
+
+    // Of pores that are sealed together, each drains.
+    let s = grown(&settled(), 1.15);
+    let mut fluid = along_y();
+    fluid.boundary.sealed_pores = SealedPoreRule::Drained;
+    let mut flow = Flow::new(&s.x, &s.r, s.bounds, &fluid, SolverKind::default()).unwrap();
+    let groups = flow.operators().sealed_pores().groups.clone();
+    assert!(groups.iter().any(|group| group.len() > 1));
+    let velocity: Vec<Vec3> = s.x.iter().map(|x| 1e-3 * Vec3::new(x.y, x.z, x.x)).collect();
+    flow.solve(&velocity, &[0.0; 6]).unwrap();
+    assert!(groups.iter().flatten().all(|&i| flow.pressure()[i as usize] == 0.5));
+}
+
+/// A packing whose largest radius is five times the smallest: its small spheres shut pores in
+/// the corners. Wet, it cannot move, which is told with the way out; with pores that drain it
+/// moves, and their number is told.
+#[test]
+fn a_packing_with_sealed_pores_moves_where_they_drain() {
+    let run = |rule: &str| {
+        let packing = concat!(env!("CARGO_MANIFEST_DIR"), "/../packings/polydisperse-2000.txt");
+        let text = format!(
+            "[particles]\npacking = {packing:?}\nyoung = 1.0e6\n[dem]\ndamping = 0.2\n[fluid]\n\
+             viscosity = 1.0e-3\npressure = {{ y_max = 0.0 }}\n{rule}\n[[stage]]\nkind = \"run\"\n\
+             steps = 5\n"
+        );
+        let mut simulation = Simulation::new(Plan::from_toml(&text, None).unwrap()).unwrap();
+        let mut advance = || simulation.advance();
+        let end = (0..6).map(|_| advance()).find(|more| !matches!(more, Ok(true))).unwrap();
+        (end, simulation)
+    };
+    let (end, _) = run("");
+    let error = end.unwrap_err().to_string();
+    assert!(error.contains("no path") && error.contains("sealed_pores = \"drained\""), "{error}");
+    let (end, simulation) = run("sealed_pores = \"drained\"");
+    assert!(!end.unwrap());
+    let flow = simulation.coupled().storage_flow().unwrap();
+    let groups = &flow.operators().sealed_pores().groups;
+    assert!(groups.iter().flatten().all(|&i| flow.pressure()[i as usize] == 0.0));
+    let warnings = simulation.warnings();
+    assert!(warnings.iter().any(|w| w.contains("held at the mean")), "{warnings:?}");
 }
 
 /// Fine particles that float in wide pores, a hundred in a lattice of four spheres: they do not

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{Random, Spheres, cubic, face_centred, few, loose, settled, unit_box};
-use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, NONE, Network, Operators, PfvError};
+use dempfv::pfv::{
+    Boundary, Clamp, Flow, Fluid, NONE, Network, Operators, PfvError, SealedPoreRule,
+};
 use dempfv::solver::SolverKind;
 use dempfv::{Aabb, PerWall, Vec3, WallId};
 
@@ -11,7 +13,10 @@ const DRAINED_TOP: Fluid = Fluid {
     viscosity: 1e-3,
     slip_walls: true,
     clamp: Clamp::None,
-    boundary: Boundary { pressure: PerWall([None, None, None, Some(0.0), None, None]) },
+    boundary: Boundary {
+        pressure: PerWall([None, None, None, Some(0.0), None, None]),
+        sealed_pores: SealedPoreRule::Closed,
+    },
 };
 
 fn network(s: &Spheres) -> Network {

@@ -239,6 +239,7 @@ gpu_memory = 123456789
 tolerance = 1e-7
 pressure = { y_min = 12.5 }
 no_flow = ["x_min"]
+sealed_pores = "drained"
 [[stage]]
 kind = "compact"
 name = "grow"

@@ -11,7 +11,8 @@ use dempfv::{Aabb, Vec3};
 
 /// The network of the spheres where they are, each a little aside in every round.
 fn network(position: &[Vec3], radius: &[f64], bounds: Aabb, round: u32) -> Flow {
-    let boundary = Boundary { pressure: [None, None, Some(1.0), Some(0.0), None, None].into() };
+    let pressure = [None, None, Some(1.0), Some(0.0), None, None].into();
+    let boundary = Boundary { pressure, ..Boundary::default() };
     let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
     let middle = bounds.min + 0.5 * (bounds.max - bounds.min);
     let shrink = 1.0 - 1e-4 * f64::from(round % 7);

@@ -67,7 +67,7 @@ impl Parity {
                 viscosity: reference.viscosity,
                 slip_walls: case.slip,
                 clamp: if case.clamp { Clamp::Yade } else { Clamp::Unlimited },
-                boundary: Boundary { pressure: reference.pressure.into() },
+                boundary: Boundary { pressure: reference.pressure.into(), ..Boundary::default() },
             };
             let solver = SolverKind::default();
             let mut flow =

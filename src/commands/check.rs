@@ -147,7 +147,7 @@ fn count_pores(
     specimen: &mut Specimen,
 ) -> Result<(), Error> {
     let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
-    let boundary = Boundary { pressure: pressure.into() };
+    let boundary = Boundary { pressure: pressure.into(), ..fluid.fluid.boundary };
     let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
     let (network, derivatives) =
         Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;

@@ -520,6 +520,7 @@ impl Flow {
         let sealed = self.operators.sealed_pores();
         NetworkRemarks {
             sealed_pores: sealed.in_groups() as u32,
+            drained_pores: sealed.drained() as u32,
             filled_pores: sealed.filled.len() as u32,
             contested_pores: self.operators.conditions().contested(),
             ..self.network.remarks

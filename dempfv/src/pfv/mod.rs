@@ -56,7 +56,7 @@ mod void_volume;
 pub(crate) use packing_check::check_tolerance;
 
 pub use crate::solver::Iterations;
-pub use boundary::Boundary;
+pub use boundary::{Boundary, SealedPoreRule};
 pub use build::{Analyzed, Assembled};
 pub use build_times::BuildTimes;
 pub use clamp::{Clamp, UnknownClamp};

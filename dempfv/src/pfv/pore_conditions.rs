@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::packing_check::require_length;
-use super::{Boundary, NONE, Network, PfvError};
+use super::{Boundary, NONE, Network, PfvError, SealedPoreRule};
 use crate::{Vec3, WallId};
 
 /// Some of a network's pores.
@@ -65,6 +65,8 @@ pub struct PoreConditions {
     contested: u32,
     /// The last set holds pores that were pinned because nothing else determines their pressure.
     pinned: bool,
+    /// What holds for pores without a path to an imposed pressure.
+    sealed_pores: SealedPoreRule,
 }
 
 impl PoreConditions {
@@ -75,7 +77,8 @@ impl PoreConditions {
         let set_of = cells.iter().map(|&cell| imposing_wall(network, boundary, cell)).collect();
         let contested = cells.iter().filter(|&&cell| is_contested(network, boundary, cell)).count();
         let pressure = boundary.pressure.values().copied().collect();
-        PoreConditions { set_of, pressure, contested: contested as u32, pinned: false }
+        let (contested, sealed_pores) = (contested as u32, boundary.sealed_pores);
+        PoreConditions { set_of, pressure, contested, pinned: false, sealed_pores }
     }
 
     /// Imposes a pressure (Pa) on pores of choice. `position` (m) has the sphere centres that the
@@ -138,6 +141,11 @@ impl PoreConditions {
             "{pressure} Pa on pore {pore}, on which {before} Pa are imposed {by}: a pore has one pressure; \
              choose other pores, or the same pressure"
         ))
+    }
+
+    /// What holds for pores without a path to an imposed pressure.
+    pub(super) fn sealed_pores(&self) -> SealedPoreRule {
+        self.sealed_pores
     }
 
     /// Number of pores that touch walls of different pressures, and have that of the last of

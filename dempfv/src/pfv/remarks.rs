@@ -23,6 +23,8 @@ pub struct NetworkRemarks {
     pub inverted_pores: u32,
     /// Pores without a path to an imposed pressure ([`SealedPores`](super::SealedPores)).
     pub sealed_pores: u32,
+    /// Those of them that are held at a pressure all the same.
+    pub drained_pores: u32,
     /// Pores that spheres fill.
     pub filled_pores: u32,
     /// Pores that touch walls of different pressures.
@@ -41,6 +43,7 @@ impl NetworkRemarks {
             flat_pores: self.flat_pores.max(other.flat_pores),
             inverted_pores: self.inverted_pores.max(other.inverted_pores),
             sealed_pores: self.sealed_pores.max(other.sealed_pores),
+            drained_pores: self.drained_pores.max(other.drained_pores),
             filled_pores: self.filled_pores.max(other.filled_pores),
             contested_pores: self.contested_pores.max(other.contested_pores),
         }
@@ -81,6 +84,14 @@ impl NetworkRemarks {
                 format!(
                     "{} pores are sealed: no path leads to an imposed pressure",
                     self.sealed_pores
+                ),
+            ),
+            (
+                self.drained_pores,
+                format!(
+                    "{} of them are held at the mean of the imposed pressures: what they swallow or give off comes \
+                     from nowhere",
+                    self.drained_pores
                 ),
             ),
             (

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{NONE, Network, PfvError, PoreConditions};
+use super::{NONE, Network, PfvError, PoreConditions, SealedPoreRule};
 
 /// Part of what a sealed group swallows and gives off that is round-off.
 const BALANCED: f64 = 1e-9;
@@ -13,14 +13,17 @@ const BALANCED: f64 = 1e-9;
 /// The pressures of a group are known but for a constant, and only where its pores together
 /// keep their volume. One pore of each is pinned at the mean of the imposed pressures (0 where
 /// there are none), and a solve is refused where the group would have to swallow fluid. Pores
-/// that the spheres fill have no fluid: they are pinned, too, and may change as they like.
+/// that the spheres fill have no fluid: they are pinned, too, and may change as they like, and so
+/// are and may all pores of a group under [`SealedPoreRule::Drained`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SealedPores {
     /// Pores that throats join to each other and to nothing else; the first of each group is
-    /// pinned.
+    /// pinned, or all are.
     pub groups: Vec<Vec<u32>>,
     /// Pores that the spheres fill.
     pub filled: Vec<u32>,
+    /// Whether groups are closed.
+    rule: SealedPoreRule,
 }
 
 impl SealedPores {
@@ -31,7 +34,7 @@ impl SealedPores {
         let imposed = (0u32..).zip(&reached).filter(|(_, imposed)| **imposed).map(|(i, _)| i);
         let mut todo: Vec<u32> = imposed.collect();
         spread(network, &mut todo, &mut reached, |_| ());
-        let mut sealed = SealedPores::default();
+        let mut sealed = SealedPores { rule: conditions.sealed_pores(), ..SealedPores::default() };
         for pore in 0..network.pores() {
             if reached[pore] {
                 continue;
@@ -60,9 +63,17 @@ impl SealedPores {
         self.groups.iter().map(Vec::len).sum()
     }
 
+    /// Number of pores of groups that are drained.
+    pub fn drained(&self) -> usize {
+        if self.rule == SealedPoreRule::Drained { self.in_groups() } else { 0 }
+    }
+
     /// The pores whose pressure is pinned.
     pub(super) fn pinned(&self) -> impl Iterator<Item = u32> + '_ {
-        self.groups.iter().filter_map(|group| group.first()).chain(&self.filled).copied()
+        let all = self.rule == SealedPoreRule::Drained;
+        let count = move |group: &Vec<u32>| if all { group.len() } else { 1 };
+        let of_groups = self.groups.iter().flat_map(move |group| group.iter().take(count(group)));
+        of_groups.chain(&self.filled).copied()
     }
 
     /// Refuses what a group of sealed pores cannot swallow (m³/s).
@@ -70,7 +81,8 @@ impl SealedPores {
     /// # Errors
     /// [`PfvError::SealedPores`] names the group.
     pub(super) fn check(&self, network: &Network, demand: &[f64]) -> Result<(), PfvError> {
-        for group in &self.groups {
+        let closed = self.groups.iter().filter(|_| self.rule == SealedPoreRule::Closed);
+        for group in closed {
             let rates = || group.iter().map(|&pore| demand[pore as usize]);
             let (net, moved) = (rates().sum::<f64>(), rates().map(f64::abs).sum::<f64>());
             if net.abs() > BALANCED * moved {

@@ -14,7 +14,7 @@ use crate::coupling::{
 use crate::domain::WallId;
 use crate::input::InputError;
 use crate::pfv::terms::COMPRESSIBILITY;
-use crate::pfv::{self, Boundary, Clamp};
+use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -39,6 +39,7 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "gpu_memory",
         "pressure",
         "no_flow",
+        "sealed_pores",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -118,6 +119,8 @@ impl Keyed for Fluid {
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
         let imposed = Maybe(number("Pa", Bound::Finite));
         keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure.0)?;
+        let rules = SealedPoreRule::ALL.map(|rule| (rule.name(), rule));
+        keys.take("sealed_pores", &OneOf(&rules), &mut fluid.boundary.sealed_pores)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
