@@ -22,6 +22,7 @@ mod extrapolation;
 mod flow;
 mod flow_storage;
 mod flow_terms;
+mod flow_walls;
 mod fluid;
 mod frame;
 mod geometry_update;

@@ -58,6 +58,7 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "simulation::Simulation::build_with",
             "coupling::Coupled::accelerate",
             "coupling::Coupled::set_fluid_effects",
+            "time_function::TimeFunction::value",
             "coupling::Coupled::update_viscous_mode",
             "coupling::Phases",
             "pfv::Flow::has_pattern_of",
