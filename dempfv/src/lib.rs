@@ -16,8 +16,10 @@ pub mod simulation;
 pub mod solver;
 mod stage_error;
 pub mod theory;
+mod time_function;
 
 pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};
 pub use effect::{Effect, EffectKey, Family};
 pub use error::{Error, Result};
 pub use input::InputError;
+pub use time_function::TimeFunction;

@@ -37,7 +37,7 @@ fn closed(viscosity: f64, remesh: RemeshRule) -> Saturation {
 fn undrained(modulus: f64, viscosity: f64, rule: RemeshRule, damping: f64) -> Coupled {
     let mut coupled = Coupled::new(elastic(damping));
     coupled.saturate(closed(viscosity, rule));
-    coupled.set_fluid_effects(FluidEffects { bulk_modulus: Some(modulus) });
+    coupled.set_fluid_effects(FluidEffects { bulk_modulus: Some(modulus), ..Default::default() });
     coupled
 }
 

@@ -17,6 +17,8 @@ pub(super) struct SolidMotion<'a> {
     pub servo: [bool; 6],
     /// The time step (s).
     pub dt: f64,
+    /// Pressures of walls that change with time (Pa), at the end of the step.
+    pub wall_pressure: Option<PerWall<Option<f64>>>,
     /// Where they are, if the network follows them.
     pub geometry: Option<SolidGeometry<'a>>,
 }
@@ -38,6 +40,16 @@ const EXHAUSTING_APPLICATIONS: u32 = 24;
 
 /// A time step so many times as long or as short as the one that the factor is for, too.
 const EXHAUSTING_STEP_RATIO: f64 = 2.0;
+
+/// Tells a flow the pressures of walls (Pa) that have changed.
+pub(super) fn impose(flow: &mut Flow, pressure: Option<PerWall<Option<f64>>>) -> Result<()> {
+    for (wall, pressure) in pressure.iter().flat_map(PerWall::iter) {
+        if let Some(pressure) = pressure {
+            flow.set_wall_pressure(wall, *pressure)?;
+        }
+    }
+    Ok(())
+}
 
 /// A network, and what a checkpoint must know of it.
 pub(super) struct ActiveNetwork {
@@ -64,6 +76,7 @@ impl ActiveNetwork {
         let ActiveNetwork { flow, state, iterations, .. } = self;
         phases
             .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
+        impose(flow, motion.wall_pressure)?;
         // Before the pressures: where this fails, the step has not begun to change them.
         for wall in WallId::ALL {
             let known = &mut state.resistance[wall];

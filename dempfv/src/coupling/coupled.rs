@@ -46,6 +46,8 @@ pub struct Coupled {
     pub(super) steps: u64,
     /// Length of the last one (s); 0 before the first.
     pub(super) last_time_step: f64,
+    /// Model time (s).
+    pub(super) time: f64,
     pub(super) largest_residual: f64,
     pub(super) largest_imbalance: f64,
     update_counts: UpdateCounts,
@@ -73,6 +75,7 @@ impl Coupled {
             probes: vec![],
             steps: 0,
             last_time_step: 0.0,
+            time: 0.0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             update_counts: UpdateCounts::default(),
@@ -173,11 +176,12 @@ impl Coupled {
             self.remesher.begin_step();
             // A step's own time is without its remesh.
             start += before.elapsed();
+            let wall_pressure = self.effects.wall_pressures(self.time + dt);
             let Coupled { dem, phases, remesher, .. } = self;
             let follow = remesher.acceleration().update == Update::EveryStep;
             if let Some(network) = &mut remesher.current {
                 let particles = dem.storage();
-                let mut motion = motion(dem, &particles.velocity, dt);
+                let mut motion = motion(dem, &particles.velocity, dt, wall_pressure);
                 if follow {
                     motion.geometry =
                         Some(SolidGeometry { position: &particles.position, bounds: dem.box_() });
@@ -189,6 +193,7 @@ impl Coupled {
         self.remesher.stepped(start.elapsed());
         self.steps += 1;
         self.last_time_step = dt;
+        self.time += dt;
         Ok(())
     }
 
@@ -198,8 +203,9 @@ impl Coupled {
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
         }
+        let time = self.time;
         let Coupled { dem, phases, remesher, probes, effects, .. } = self;
-        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step };
+        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step, time };
         remesher.prepare(context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);
@@ -213,6 +219,7 @@ impl Coupled {
         dem.set_wall_resistance(PerWall::default())?;
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
+        self.time += dt;
         Ok(())
     }
 
@@ -220,9 +227,10 @@ impl Coupled {
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
     fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
+        let wall_pressure = self.effects.wall_pressures(self.time + dt);
         let Coupled { dem, remesher, phases, overlap, .. } = self;
         overlap.velocity.clone_from(&dem.storage().velocity);
-        let mut motion = motion(dem, &overlap.velocity, dt);
+        let mut motion = motion(dem, &overlap.velocity, dt, wall_pressure);
         if remesher.acceleration().update == Update::EveryStep {
             overlap.position.clone_from(&dem.storage().position);
             motion.geometry =
@@ -423,6 +431,16 @@ impl Coupled {
         self.steps
     }
 
+    /// Model time (s): the length of all steps, those of an earlier session included where it told so.
+    pub fn model_time(&self) -> f64 {
+        self.time
+    }
+
+    /// Says what the model time is (s), where steps were done otherwise too.
+    pub(crate) fn set_time(&mut self, time: f64) {
+        self.time = time;
+    }
+
     /// Says how many steps were done before, this object's or others'. Networks
     /// in use have counted along.
     pub(crate) fn count_from(&mut self, steps: u64) {
@@ -436,9 +454,10 @@ impl Coupled {
         saturation: &Saturation,
         state: FluidState,
     ) -> Result<()> {
+        let time = self.time;
         let Coupled { dem, phases, remesher, probes, effects, .. } = self;
         let time_step = self.last_time_step;
-        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step };
+        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step, time };
         remesher.restore(state, context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);
@@ -453,13 +472,19 @@ impl Coupled {
 }
 
 /// What the fluid feels in a step from `dt` on (s).
-fn motion<'a>(dem: &Dem, velocity: &'a [Vec3], dt: f64) -> SolidMotion<'a> {
+fn motion<'a>(
+    dem: &Dem,
+    velocity: &'a [Vec3],
+    dt: f64,
+    wall_pressure: Option<PerWall<Option<f64>>>,
+) -> SolidMotion<'a> {
     let walls = dem.walls();
     SolidMotion {
         velocity,
         walls: walls.map(|w| w.velocity).0,
         servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
+        wall_pressure,
         geometry: None,
     }
 }

@@ -3,19 +3,57 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::Result;
-use crate::pfv::terms::{Compressibility, StepTerms};
+use crate::pfv::ImposedPressure;
+use crate::pfv::terms::{Compressibility, PoreSource, StepTerms};
+use crate::{Effect, EffectKey, Family, PerWall, TimeFunction};
+
+/// What pressures that change with time say of themselves.
+pub const PRESSURE_IN_TIME: Effect = Effect {
+    name: "pressures in time",
+    family: Family::Fluid,
+    equation: "p_wall = p(t + dt) in the step from t on",
+    source: "a boundary condition",
+    keys: &[EffectKey { key: "pressure in [fluid]", unit: "Pa", default: "none" }],
+    needs: "",
+    test: "coupling_conditions: a_wall_follows_its_pressure",
+};
+
+/// What pressures of pores beside walls say of themselves.
+pub const IMPOSED_REGIONS: Effect = Effect {
+    name: "pressures of regions",
+    family: Family::Fluid,
+    equation: "p_i = p for pores whose centroid lies in a region",
+    source: "a boundary condition",
+    keys: &[EffectKey { key: "imposed in [fluid]", unit: "Pa", default: "none" }],
+    needs: "",
+    test: "coupling_conditions: regions_keep_their_pressure",
+};
 
 /// Effects of the fluid that are off unless someone asks for them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FluidEffects {
     /// Bulk modulus of the fluid (Pa); `None`: incompressible.
     pub bulk_modulus: Option<f64>,
+    /// Pressures of walls that change with time (Pa), in the place of those of
+    /// [`Boundary`](crate::pfv::Boundary), which are needed too and hold at the beginning.
+    pub wall_pressure: PerWall<Option<TimeFunction>>,
+    /// Pressures imposed on pores of choice.
+    pub imposed: Vec<ImposedPressure>,
+    /// What enters pores of choice.
+    pub sources: Vec<PoreSource>,
 }
 
 impl FluidEffects {
     /// Whether pores store fluid, so that the matrix of a network goes with the time step.
     pub fn store(&self) -> bool {
         self.bulk_modulus.is_some()
+    }
+
+    /// Pressures (Pa) of the walls with one that changes, at a time (s); `None` where there are no
+    /// such walls.
+    pub(super) fn wall_pressures(&self, time: f64) -> Option<PerWall<Option<f64>>> {
+        let changes = self.wall_pressure.values().any(Option::is_some);
+        changes.then(|| self.wall_pressure.map(|p| p.as_ref().map(|p| p.value(time))))
     }
 
     /// The terms that the matrix of a network is made with, for a first step of this length (s).

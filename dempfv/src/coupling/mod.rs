@@ -36,7 +36,7 @@ pub use controls::Controls;
 pub use counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 pub use coupled::Coupled;
 pub use error::CouplingError;
-pub use fluid_effects::FluidEffects;
+pub use fluid_effects::{FluidEffects, IMPOSED_REGIONS, PRESSURE_IN_TIME};
 pub use gpu_use::GpuUse;
 pub use network_builder::{BackendBuilder, NetworkBuilder, NetworkRequest, StandardBuilder};
 pub use observe::Observation;

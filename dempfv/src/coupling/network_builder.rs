@@ -78,11 +78,19 @@ fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Res
         return Ok(None);
     }
     let terms = effects.step_terms(time_step)?;
-    let assembled = Assembled::with_terms(&position, &radius, bounds, &fluid, &[], terms)?;
-    drop((position, radius));
+    let FluidEffects { imposed, sources, .. } = effects;
+    let assembled = Assembled::with_terms(&position, &radius, bounds, &fluid, &imposed, terms)?;
+    drop(radius);
     if stop() {
         return Ok(None);
     }
     let analyzed = assembled.analyze(solver, reusable)?;
-    if stop() { Ok(None) } else { Ok(Some(analyzed.factor()?)) }
+    if stop() {
+        return Ok(None);
+    }
+    let mut flow = analyzed.factor()?;
+    if !sources.is_empty() {
+        flow.set_sources(&position, &sources)?;
+    }
+    Ok(Some(flow))
 }

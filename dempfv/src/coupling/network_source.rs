@@ -27,6 +27,8 @@ pub(super) struct RemeshContext<'a> {
     pub step: u64,
     /// Length of the step to come, as far as it is known (s).
     pub time_step: f64,
+    /// Model time (s).
+    pub time: f64,
 }
 
 /// Builds networks, here or in the background.

@@ -64,6 +64,7 @@ pub(crate) struct Progress {
     time_step: AutoTimeStep,
     steps: u64,
     last_time_step: f64,
+    time: f64,
     largest_residual: f64,
     largest_imbalance: f64,
 }
@@ -146,6 +147,7 @@ impl Coupled {
                 time_step: self.auto_time_step,
                 steps: self.steps,
                 last_time_step: self.last_time_step,
+                time: self.time,
                 largest_residual: self.largest_residual,
                 largest_imbalance: self.largest_imbalance,
             },
@@ -224,10 +226,11 @@ impl Coupled {
     /// Second half of [`Coupled::from_state`]: the network, and how far it all
     /// has come.
     pub(crate) fn take_up(&mut self, progress: Progress) -> Result<()> {
-        let Progress { fluid, time_step, steps, last_time_step, .. } = progress;
+        let Progress { fluid, time_step, steps, last_time_step, time, .. } = progress;
         let Progress { largest_residual, largest_imbalance, .. } = progress;
         self.steps = steps;
         self.last_time_step = last_time_step;
+        self.time = time;
         self.largest_residual = largest_residual;
         self.largest_imbalance = largest_imbalance;
         self.auto_time_step = time_step;

@@ -47,7 +47,7 @@ use crate::{Aabb, Vec3, WallId};
 pub struct Flow {
     pub(super) network: Network,
     pub(super) operators: Operators,
-    fluid: Fluid,
+    pub(super) fluid: Fluid,
     radius: Vec<f64>,
     imposed: Vec<ImposedPressure>,
     pub(super) backend: Solver,
@@ -63,6 +63,8 @@ pub struct Flow {
     pub(super) terms: Terms,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
+    /// Imposed pressures have changed since the last solve.
+    pub(super) stale_imposed: bool,
 }
 
 /// What a flow is made of.
@@ -124,6 +126,7 @@ impl Flow {
             terms,
             force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
+            stale_imposed: false,
             radius,
             network,
             operators,
@@ -275,10 +278,21 @@ impl Flow {
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<(), PfvError> {
         let Flow {
-            network, operators, volume_rate, terms, extrapolation, pressures, solver, ..
+            network,
+            operators,
+            volume_rate,
+            terms,
+            extrapolation,
+            pressures,
+            solver,
+            stale_imposed,
+            ..
         } = self;
         if let Some(storage) = &mut operators.storage {
             storage.begin(&pressures.relative);
+        }
+        if std::mem::take(stale_imposed) {
+            operators.write_imposed(pressures.reference, &mut pressures.relative);
         }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
@@ -317,10 +331,14 @@ impl Flow {
             pressures,
             solver,
             geometry,
+            stale_imposed,
             ..
         } = self;
         if let Some(storage) = &mut operators.storage {
             storage.begin(&pressures.relative);
+        }
+        if std::mem::take(stale_imposed) {
+            operators.write_imposed(pressures.reference, &mut pressures.relative);
         }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;

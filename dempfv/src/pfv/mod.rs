@@ -23,6 +23,7 @@ mod flat_pores;
 mod flow;
 mod flow_storage;
 mod flow_terms;
+mod flow_walls;
 mod fluid;
 mod frame;
 mod geometry_update;

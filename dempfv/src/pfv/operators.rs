@@ -214,6 +214,16 @@ impl Operators {
         &self.conditions
     }
 
+    /// The condition of each pore, whose pressures may change.
+    pub(super) fn conditions_mut(&mut self) -> &mut PoreConditions {
+        &mut self.conditions
+    }
+
+    /// Writes the imposed pressures (Pa) of their pores.
+    pub(super) fn write_imposed(&self, reference: f64, pressure: &mut [f64]) {
+        for_each(pressure, &|i, p| *p = self.imposed(i).map_or(*p, |imposed| imposed - reference));
+    }
+
     /// The pores without a path to an imposed pressure.
     pub fn sealed_pores(&self) -> &SealedPores {
         &self.sealed

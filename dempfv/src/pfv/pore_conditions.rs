@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::packing_check::require_length;
 use super::{Boundary, NONE, Network, PfvError, SealedPoreRule};
-use crate::{Vec3, WallId};
+use crate::{Aabb, Vec3, WallId};
 
 /// Some of a network's pores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,13 @@ pub enum PoreSelection {
         /// The distance (m).
         radius: f64,
     },
+    /// All whose centroid lies in a box.
+    Within {
+        /// Its lower corner (m).
+        min: Vec3,
+        /// Its upper corner (m).
+        max: Vec3,
+    },
 }
 
 impl PoreSelection {
@@ -30,12 +37,24 @@ impl PoreSelection {
         Ok(match self {
             PoreSelection::Pores(numbers) => numbers.clone(),
             PoreSelection::Around { center, radius } => {
-                let centroids = network.centroids(position, &network.bounds)?;
-                let near = |x: &Vec3| (x - center).norm() <= *radius;
-                (0u32..).zip(&centroids).filter(|(_, x)| near(x)).map(|(i, _)| i).collect()
+                of_centroids(network, position, |x| (x - center).norm() <= *radius)?
+            }
+            PoreSelection::Within { min, max } => {
+                let region = Aabb { min: *min, max: *max };
+                of_centroids(network, position, |x| region.contains(x))?
             }
         })
     }
+}
+
+/// The pores whose centroid fits.
+fn of_centroids(
+    network: &Network,
+    position: &[Vec3],
+    fits: impl Fn(&Vec3) -> bool,
+) -> Result<Vec<u32>, PfvError> {
+    let centroids = network.centroids(position, &network.bounds)?;
+    Ok((0u32..).zip(&centroids).filter(|(_, x)| fits(x)).map(|(i, _)| i).collect())
 }
 
 /// A pressure imposed on pores of choice, such as those around the tip of an injection tube.
@@ -146,6 +165,13 @@ impl PoreConditions {
     /// What holds for pores without a path to an imposed pressure.
     pub(super) fn sealed_pores(&self) -> SealedPoreRule {
         self.sealed_pores
+    }
+
+    /// Changes the pressure (Pa) that a wall imposes. False where it imposes none.
+    pub(super) fn set_wall_pressure(&mut self, wall: WallId, pressure: f64) -> bool {
+        let imposed = &mut self.pressure[wall.index()];
+        *imposed = imposed.map(|_| pressure);
+        imposed.is_some()
     }
 
     /// Number of pores that touch walls of different pressures, and have that of the last of

@@ -3,17 +3,20 @@
 use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
-use super::kind::{Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::region::{ImposedRegion, SourceRegion};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
+use super::time_function::InTime;
 use super::wrong::Wrong;
+use crate::TimeFunction;
 use crate::coupling::{
-    Acceleration, FluidEffects, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation,
-    Swap, Update,
+    Acceleration, FluidEffects, IMPOSED_REGIONS, OnFailure, PRESSURE_ERROR, PRESSURE_IN_TIME,
+    RemeshMode, RemeshRule, Saturation, Swap, Update,
 };
-use crate::domain::WallId;
+use crate::domain::{PerWall, WallId};
 use crate::input::InputError;
-use crate::pfv::terms::COMPRESSIBILITY;
+use crate::pfv::terms::{COMPRESSIBILITY, SOURCES};
 use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
 
@@ -40,6 +43,8 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "pressure",
         "no_flow",
         "sealed_pores",
+        "imposed",
+        "sources",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -89,6 +94,11 @@ impl Fluid {
         WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w]?)))
     }
 
+    /// Whether the pressure of a wall changes with time.
+    pub(super) fn changes_pressures(&self) -> bool {
+        self.effects.wall_pressure.values().any(Option::is_some)
+    }
+
     /// What fills the pores of a coupled stage.
     pub fn saturation(&self) -> Saturation {
         Saturation { fluid: self.fluid, solver: self.solver, remesh: self.remesh }
@@ -117,15 +127,33 @@ impl Keyed for Fluid {
             self.tolerance = PRESSURE_ERROR;
         }
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
-        let imposed = Maybe(number("Pa", Bound::Finite));
-        keys.by_wall("pressure", &PRESSURE, &imposed, &mut fluid.boundary.pressure.0)?;
+        pressure(keys, &mut fluid.boundary, &mut effects.wall_pressure)?;
         let rules = SealedPoreRule::ALL.map(|rule| (rule.name(), rule));
         keys.take("sealed_pores", &OneOf(&rules), &mut fluid.boundary.sealed_pores)?;
+        let form = "an array of tables, as in [{ center = [0.0, 0.0, 0.0], radius = 0.1, ... }]";
+        keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
+        keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
         }
     }
+}
+
+/// Pressures of walls. One that changes with time is in `in_time`; the boundary has it at the
+/// beginning.
+fn pressure(
+    keys: &mut Keys,
+    boundary: &mut Boundary,
+    in_time: &mut PerWall<Option<TimeFunction>>,
+) -> Result<()> {
+    let mut both = PerWall::from_fn(|w| {
+        in_time[w].clone().or(boundary.pressure[w].map(TimeFunction::Constant))
+    });
+    keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut both.0)?;
+    boundary.pressure = both.map(|p| p.as_ref().map(|p| p.value(0.0)));
+    *in_time = both.map(|p| p.clone().filter(|p| !matches!(p, TimeFunction::Constant(_))));
+    Ok(())
 }
 
 /// When networks are built anew. The strain has been looked at.
@@ -283,7 +311,8 @@ impl Fluid {
     /// An incompressible fluid whose pressure is imposed nowhere has a singular system: what is
     /// wrong where a stage of this name couples it.
     pub(super) fn undetermined_in(&self, stage: &str) -> Option<Wrong> {
-        if self.pressure_walls().next().is_some() || self.effects.store() {
+        let FluidEffects { imposed, .. } = &self.effects;
+        if self.pressure_walls().next().is_some() || self.effects.store() || !imposed.is_empty() {
             return None;
         }
         Some(Wrong::new(
@@ -300,13 +329,16 @@ impl Fluid {
     pub(super) fn effects(
         flow: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static str, bool); 8] {
+    ) -> [(&'static str, bool); 11] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         [
             ("pore flow", flow.is_some()),
             ("fluid forces on spheres", coupled.is_some()),
             ("wall slip", is(flow, |f| f.fluid.slip_walls)),
             (COMPRESSIBILITY.name, is(coupled, |f| f.effects.bulk_modulus.is_some())),
+            (SOURCES.name, is(coupled, |f| !f.effects.sources.is_empty())),
+            (IMPOSED_REGIONS.name, is(coupled, |f| !f.effects.imposed.is_empty())),
+            (PRESSURE_IN_TIME.name, is(coupled, Fluid::changes_pressures)),
             ("conductance clamp", is(flow, |f| f.fluid.clamp != Clamp::None)),
             ("background remesh", is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
             ("network at every step", is(coupled, |f| f.acceleration.update == Update::EveryStep)),

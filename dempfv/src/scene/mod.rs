@@ -16,11 +16,13 @@ mod packing_check;
 mod particles;
 mod plan;
 mod read;
+mod region;
 mod schema;
 mod sizes;
 mod stage;
 mod syntax;
 mod table;
+mod time_function;
 mod walls;
 mod wrong;
 

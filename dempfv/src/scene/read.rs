@@ -12,11 +12,13 @@ use super::output::{self, Output};
 use super::packing_check::box_wrong;
 use super::particles::{self, Particles};
 use super::plan::{self, Place, Plan};
+use super::region;
 use super::schema::Schema;
 use super::sizes;
 use super::stage::{Before, Stage, compact, consolidate, cycle, permeability, run};
 use super::syntax;
 use super::table::{Source, Table, Value};
+use super::time_function;
 use super::walls::{self, Walls};
 use crate::domain::Aabb;
 use crate::error::Error;
@@ -25,7 +27,7 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 17] = [
+static SCHEMAS: [&Schema; 20] = [
     &plan::SCHEMA,
     &plan::BOX,
     &particles::SCHEMA,
@@ -34,6 +36,9 @@ static SCHEMAS: [&Schema; 17] = [
     &dem::SCHEMA,
     &fluid::SCHEMA,
     &fluid::PRESSURE,
+    &time_function::SCHEMA,
+    &region::IMPOSED,
+    &region::SOURCES,
     &output::SCHEMA,
     &compact::SCHEMA,
     &cycle::SCHEMA,

@@ -129,11 +129,17 @@ pub fn table() -> Table {
             let terms = StepTerms { terms: storing(), time_step: value };
             Assembled::with_terms(&X, &R, UNIT, &water(), &[], terms)
         });
+        t.refuses("pfv::Flow::set_wall_pressure", "imposes none", || {
+            flow().set_wall_pressure(WallId::XMin, 1.0)
+        });
         t.refuses("pfv::Flow::set_time_step", "time_step", || flow().set_time_step(value));
         t.refuses("pfv::terms::Compressibility::new", "bulk_modulus", || {
             Compressibility::new(value)
         });
     }
+    t.refuses("pfv::Flow::set_wall_pressure", "is not finite", || {
+        flow().set_wall_pressure(WallId::YMax, f64::NAN)
+    });
     t.refuses("pfv::Flow::set_term", "stores fluid", || {
         flow().set_term(Box::new(Compressibility::new(1e6).unwrap()))
     });

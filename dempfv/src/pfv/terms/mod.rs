@@ -15,7 +15,7 @@ use std::fmt;
 use super::storage::Storage;
 
 pub use compressibility::{Compressibility, EFFECT as COMPRESSIBILITY};
-pub use source::{PoreSource, Sources};
+pub use source::{EFFECT as SOURCES, PoreSource, Sources};
 
 /// A term in the balance of the pores. Without one a flow allocates and computes nothing for it.
 pub trait FluidTerm: fmt::Debug + Send + Sync {

@@ -1,12 +1,26 @@
 //! Sources and sinks of fluid: Q in `G p = -V̇ + Q` (eq. 6 of Caulk 2020).
 
+use serde::{Deserialize, Serialize};
+
 use super::FluidTerm;
 use crate::Vec3;
 use crate::pfv::packing_check::require_length;
 use crate::pfv::{Network, PfvError, PoreConditions, PoreSelection};
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: Sources::NAME,
+    family: Family::Fluid,
+    equation: "sum_j g_ij (p_j - p_i) = dV_i/dt - Q_i",
+    source: "Caulk et al. 2020, eq. 6",
+    keys: &[EffectKey { key: "sources in [fluid]", unit: "m³/s", default: "none" }],
+    needs: "",
+    test: "pfv_sources: what_enters_leaves_through_the_open_wall",
+};
 
 /// A rate at which fluid enters pores of choice, as from the tip of an injection tube.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PoreSource {
     /// Into which pores.
     pub pores: PoreSelection,

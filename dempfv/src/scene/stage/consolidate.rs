@@ -136,6 +136,12 @@ impl Consolidate {
                 format!("impose a pressure on {wall}, {opposite} or both, and on no other wall"),
             ));
         }
+        if fluid.changes_pressures() {
+            return Some(Wrong::new(
+                "consolidates against a pressure that changes with time",
+                "impose pressures that are numbers",
+            ));
+        }
         let at = fluid.fluid.boundary.pressure;
         match (at[wall], at[opposite]) {
             (Some(p), Some(q)) if p != q => Some(Wrong::new(

@@ -49,6 +49,7 @@ impl Context<'_> {
             self.watch_fixed_step()?;
         }
         let dt = self.clock.next_dt(dt, safety, self.coupled)?;
+        self.coupled.set_time(self.clock.time);
         self.coupled.step(dt)?;
         self.clock.advance();
         Ok(())

@@ -1,0 +1,182 @@
+//! What is imposed on the fluid of a coupled run beside constant pressures of walls.
+
+mod common;
+mod moving;
+
+use common::settled;
+use dempfv::coupling::{Acceleration, Coupled, FluidEffects, RemeshMode, Saturation, Update};
+use dempfv::pfv::terms::PoreSource;
+use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, ImposedPressure, PoreSelection};
+use dempfv::scene::Plan;
+use dempfv::solver::SolverKind;
+use dempfv::{PerWall, TimeFunction, WallId};
+use moving::{bits, dem_of, every};
+
+const DT: f64 = 1e-5;
+
+fn between(low: f64, high: f64) -> Fluid {
+    let mut boundary = Boundary::default();
+    boundary.pressure[WallId::YMin] = Some(low);
+    boundary.pressure[WallId::YMax] = Some(high);
+    Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary }
+}
+
+/// The settled packing in a fluid with these effects, a new network every 7 steps.
+fn coupled(effects: FluidEffects, acceleration: Acceleration) -> Coupled {
+    let mut coupled = Coupled::new(dem_of(settled()));
+    let (fluid, solver) = (between(1.0, 0.0), SolverKind::default());
+    coupled.saturate(Saturation { fluid, solver, remesh: every(7) });
+    coupled.set_fluid_effects(effects);
+    coupled.accelerate(acceleration);
+    coupled
+}
+
+fn sine() -> TimeFunction {
+    TimeFunction::Sine { mean: 1.0, amplitude: 0.5, frequency: 0.1 / DT }
+}
+
+/// A wall whose pressure is a sine has in each step the value at its end: in its pores and in the flow
+/// through them, with each way to renew networks; and a restart has the same bits.
+#[test]
+fn a_wall_follows_its_pressure() {
+    let mut wall_pressure = PerWall::from_fn(|_| None);
+    wall_pressure[WallId::YMin] = Some(sine());
+    for bulk_modulus in [None, Some(1e6)] {
+        let effects = FluidEffects {
+            wall_pressure: wall_pressure.clone(),
+            bulk_modulus,
+            ..Default::default()
+        };
+        for acceleration in [
+            Acceleration::default(),
+            Acceleration { update: Update::EveryStep, ..Acceleration::default() },
+            Acceleration { remesh: RemeshMode::Ahead, ..Acceleration::default() },
+        ] {
+            let mut whole = coupled(effects.clone(), acceleration);
+            let mut course = vec![];
+            for step in 1..=20 {
+                whole.step(DT).unwrap();
+                course.push(bits(&whole));
+                let flow = whole.storage_flow().unwrap();
+                let conditions = flow.operators().conditions();
+                let expected = sine().value(whole.model_time());
+                assert_eq!(conditions.pressures()[WallId::YMin.index()], Some(expected));
+                let of_wall = |i: &usize| conditions.set_of(*i) == Some(WallId::YMin.index());
+                let pores = (0..flow.network().pores()).filter(of_wall);
+                assert!(pores.into_iter().all(|i| flow.pressure()[i] == expected), "{step}");
+                assert!(flow.imbalance() < 1e-6, "{step}: {}", flow.imbalance());
+            }
+            for stop in [3, 7, 12] {
+                let mut first = coupled(effects.clone(), acceleration);
+                (0..stop).for_each(|_| first.step(DT).unwrap());
+                let mut again = Coupled::from_state(first.state()).unwrap();
+                assert_eq!(again.observe(), first.observe(), "{acceleration:?} {stop}");
+                for (step, expected) in course.iter().enumerate().skip(stop) {
+                    again.step(DT).unwrap();
+                    assert_eq!(bits(&again), *expected, "{acceleration:?} {stop} {step}");
+                }
+            }
+        }
+    }
+}
+
+/// Static flow is linear: with the pressure of a wall the flux through a packing goes in proportion,
+/// to 1e-9, from one factor.
+#[test]
+fn flux_goes_with_the_pressure_of_a_wall() {
+    let s = settled();
+    let solver = SolverKind::Cholmod;
+    let mut flow = Flow::new(&s.x, &s.r, s.bounds, &between(1.0, 0.0), solver).unwrap();
+    flow.solve_static().unwrap();
+    let unit = flow.permeability(WallId::YMin).unwrap();
+    for pressure in [3.0, -0.25, 1e5] {
+        flow.set_wall_pressure(WallId::YMin, pressure).unwrap();
+        flow.solve_static().unwrap();
+        let now = flow.permeability(WallId::YMin).unwrap();
+        assert!((now.flux / unit.flux / pressure - 1.0).abs() < 1e-9, "{pressure}");
+        assert!((now.value / unit.value - 1.0).abs() < 1e-9, "{pressure}");
+    }
+}
+
+/// Water that is pumped into the middle of a packing at rest between two drained walls leaves through
+/// both: flux in is flux out, to 1e-12 of it beside what the spheres displace.
+#[test]
+fn what_is_pumped_in_leaves_through_the_walls() {
+    let s = settled();
+    let rate = 1e-9;
+    let ball = PoreSelection::Around { center: s.bounds.center(), radius: 0.1 * s.bounds.size().y };
+    let sources = vec![PoreSource { pores: ball, rate }];
+    let mut coupled =
+        coupled(FluidEffects { sources, ..Default::default() }, Acceleration::default());
+    coupled.set_tolerance(1e-13).unwrap();
+    for step in 0..20 {
+        coupled.step(DT).unwrap();
+        let flow = coupled.storage_flow().unwrap();
+        let swallowed: f64 = flow.volume_rate().iter().sum();
+        let flux = flow.flux();
+        let out: f64 = -flux.iter().sum::<f64>();
+        let size: f64 = flux.iter().map(|q| q.abs()).sum();
+        let lost = rate - out - swallowed;
+        assert!(lost.abs() < 1e-12 * size, "step {step}: {lost:e} of {size:e}");
+    }
+}
+
+/// Pores whose centroids lie in a box keep the pressure that is imposed there, in each network.
+#[test]
+fn regions_keep_their_pressure() {
+    let s = settled();
+    let (middle, size) = (s.bounds.center(), s.bounds.size());
+    let (min, max) = (middle - 0.1 * size, middle + 0.1 * size);
+    let imposed =
+        vec![ImposedPressure { pores: PoreSelection::Within { min, max }, pressure: 7.0 }];
+    let mut coupled =
+        coupled(FluidEffects { imposed, ..Default::default() }, Acceleration::default());
+    for _ in 0..15 {
+        coupled.step(DT).unwrap();
+        let flow = coupled.storage_flow().unwrap();
+        let set = |i: &usize| flow.operators().conditions().set_of(*i) == Some(6);
+        let pores: Vec<usize> = (0..flow.network().pores()).filter(set).collect();
+        assert!(pores.len() > 10 && pores.iter().all(|&i| flow.pressure()[i] == 7.0));
+        assert!(flow.imposed_flux()[0] > 0.0);
+    }
+}
+
+/// The keys of these conditions, and what is wrong with some: with its line, and what would be right.
+#[test]
+fn conditions_of_a_scene_are_read_and_written() {
+    let scene = |fluid: &str| {
+        format!(
+            "[box]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n[particles]\n\
+             cloud = {{ count = 9, radius = 0.01 }}\n[dem]\n[fluid]\nviscosity = 1\n{fluid}\n\
+             [[stage]]\nkind = \"run\"\nsteps = 1\n"
+        )
+    };
+    let ramp = "pressure = { y_min = { ramp = [[0.0, 1.0], [2.0, 5.0]] }, y_max = 0.0 }";
+    let swing = "pressure = { y_min = { mean = 1.0, amplitude = 2.0, frequency = 0.5 } }";
+    for fluid in [ramp, swing] {
+        let plan = Plan::from_toml(&scene(fluid), None).unwrap();
+        assert_eq!(Plan::from_toml(&plan.to_toml(), None).unwrap(), plan);
+        assert!(plan.effects_on().contains(&"pressures in time"));
+        assert_eq!(plan.fluid.unwrap().fluid.boundary.pressure[WallId::YMin], Some(1.0));
+    }
+    let closed = "imposed = [{ center = [0.5, 0.5, 0.5], radius = 0.1, pressure = 1.0 }]";
+    Plan::from_toml(&scene(closed), None).unwrap();
+    for (wrong, says) in [
+        ("pressure = { y_min = { ramp = [[1.0, 1.0], [0.0, 5.0]] } }", "each later"),
+        ("pressure = { y_min = { ramp = [] } }", "one or more points"),
+        (
+            "pressure = { y_min = { mean = 1.0, amplitude = 2.0, frequency = 0.0 } }",
+            "above 0 in Hz",
+        ),
+        ("pressure = { y_min = { mean = 1.0 } }", "amplitude"),
+        ("pressure = { y_min = { ramp = [[0.0, 1.0]], mean = 1.0 } }", "a ramp or a sine"),
+        ("sources = [{ center = [0.5, 0.5, 0.5], rate = 1.0 }]", "radius"),
+        ("sources = [{ rate = 1.0 }]", "`center` and `radius`, or `min` and `max`"),
+        ("sources = [{ min = [1, 0, 0], max = [1, 1, 1], rate = 1.0 }]", "above `min`"),
+    ] {
+        let error =
+            Plan::from_toml(&scene(&format!("bulk_modulus = 1e6\n{wrong}")), None).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains(says) && error.line == Some(10), "{wrong}: {text}");
+    }
+}
