@@ -224,6 +224,7 @@ rotation = false
 [fluid]
 viscosity = 1.7e-3
 bulk_modulus = 2.2e9
+density = 998.5
 imposed = [{ center = [0.1, 0.2, 0.3], radius = 0.1, pressure = 3.5 }]
 sources = [{ min = [0.5, 0.5, 0.5], max = [0.7, 0.8, 0.9], rate = -1.5e-6 }]
 remesh_interval = 77

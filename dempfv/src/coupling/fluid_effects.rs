@@ -34,6 +34,8 @@ pub const IMPOSED_REGIONS: Effect = Effect {
 pub struct FluidEffects {
     /// Bulk modulus of the fluid (Pa); `None`: incompressible.
     pub bulk_modulus: Option<f64>,
+    /// Density of the fluid (kg/m³), which spheres under gravity feel as buoyancy; `None`: no weight.
+    pub density: Option<f64>,
     /// Pressures of walls that change with time (Pa), in the place of those of
     /// [`Boundary`](crate::pfv::Boundary), which are needed too and hold at the beginning.
     pub wall_pressure: PerWall<Option<TimeFunction>>,

@@ -350,6 +350,7 @@ impl Remesher {
             self.source.keep(None);
         }
         impose(&mut flow, context.effects.wall_pressures(context.time))?;
+        weigh(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         if let Some(Retired { pressures, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
@@ -453,6 +454,7 @@ impl Remesher {
         self.put_to_use(flow, state)?;
         if let Some(network) = &mut self.current {
             impose(&mut network.flow, context.effects.wall_pressures(context.time))?;
+            weigh(&mut network.flow, &context)?;
             network.resume()?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
@@ -460,6 +462,14 @@ impl Remesher {
             self.submit(context)?;
         }
         Ok(())
+    }
+}
+
+/// Gives a fluid of some density its weight under the gravity of the spheres.
+fn weigh(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
+    match (context.effects.density, context.dem.options().gravity) {
+        (Some(density), Some(gravity)) => Ok(flow.set_weight(density * gravity)?),
+        _ => Ok(()),
     }
 }
 

@@ -20,9 +20,8 @@ use crate::{Aabb, Vec3, WallId};
 ///
 /// # What the pressure is
 /// The equations have no gravity: pressures are those in excess of the hydrostatic one (or
-/// total ones where nothing has weight). Forces follow from them, so that they hold no buoyancy.
-/// Spheres under gravity that should feel buoyancy need the density of the solid less that of
-/// the fluid, or a gravity reduced in that proportion.
+/// total ones where nothing has weight). Forces follow from them, so that they hold no buoyancy
+/// unless the fluid is given a weight ([`Flow::set_weight`]).
 ///
 /// # Order of spheres
 /// Spheres are numbered as in the arrays that the flow was built of.
@@ -48,7 +47,7 @@ pub struct Flow {
     pub(super) network: Network,
     pub(super) operators: Operators,
     pub(super) fluid: Fluid,
-    radius: Vec<f64>,
+    pub(super) radius: Vec<f64>,
     imposed: Vec<ImposedPressure>,
     pub(super) backend: Solver,
     build_times: BuildTimes,
@@ -65,6 +64,10 @@ pub struct Flow {
     wall_force: [Vec3; 6],
     /// Imposed pressures have changed since the last solve.
     pub(super) stale_imposed: bool,
+    /// Of the fluid per volume (N/m³).
+    pub(super) weight: Vec3,
+    /// What it lifts each sphere by (N); empty without weight.
+    pub(super) buoyancy: Vec<Vec3>,
 }
 
 /// What a flow is made of.
@@ -127,6 +130,8 @@ impl Flow {
             force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
             stale_imposed: false,
+            weight: Vec3::zeros(),
+            buoyancy: vec![],
             radius,
             network,
             operators,
@@ -352,11 +357,15 @@ impl Flow {
         iterations
     }
 
-    /// Last third of [`Flow::solve`]: `f = F p`.
+    /// Last third of [`Flow::solve`]: `f = F p`, and buoyancy where the fluid has weight
+    /// ([`Flow::set_weight`]).
     pub fn update_force(&mut self) {
-        let Flow { network, operators, pressures, force, wall_force, .. } = self;
+        let Flow { network, operators, pressures, force, wall_force, buoyancy, .. } = self;
         operators.evaluate_forces(&pressures.relative, force, wall_force);
         pressures.push_walls(&network.bounds, wall_force);
+        for (force, buoyancy) in force.iter_mut().zip(&*buoyancy) {
+            *force += buoyancy;
+        }
     }
 
     /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,

@@ -17,7 +17,7 @@ use crate::coupling::{
 use crate::domain::{PerWall, WallId};
 use crate::input::InputError;
 use crate::pfv::terms::{COMPRESSIBILITY, SOURCES};
-use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
+use crate::pfv::{self, BUOYANCY, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -27,6 +27,7 @@ pub(super) static SCHEMA: Schema = Schema::table(
     &[
         "viscosity",
         "bulk_modulus",
+        "density",
         "remesh_interval",
         "remesh_strain",
         "remesh",
@@ -115,6 +116,8 @@ impl Keyed for Fluid {
         keys.need_number("viscosity", number("Pa·s", Bound::Positive), &mut fluid.viscosity)?;
         let modulus = Maybe(number("Pa", Bound::Positive));
         keys.take("bulk_modulus", &modulus, &mut effects.bulk_modulus)?;
+        let density = Maybe(number("kg/m³", Bound::Positive));
+        keys.take("density", &density, &mut effects.density)?;
         keys.take("remesh_strain", &Maybe(number("", Bound::Positive)), &mut remesh.strain)?;
         interval(keys, remesh, acceleration)?;
         networks(keys, acceleration)?;
@@ -324,18 +327,30 @@ impl Fluid {
         ))
     }
 
+    /// What is wrong with a density where nothing has weight.
+    pub(super) fn weightless(&self, gravity: bool) -> Option<Wrong> {
+        let useless = self.effects.density.is_some() && !gravity;
+        useless.then(|| {
+            Wrong::new(
+                "has a `density`, but without gravity nothing has weight",
+                "add `gravity` to [dem], or leave `density` out",
+            )
+        })
+    }
+
     /// Effects of this table: `flow` is the fluid where some stage has flow, `coupled` where a
     /// stage couples it to spheres that move.
     pub(super) fn effects(
         flow: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static str, bool); 11] {
+    ) -> [(&'static str, bool); 12] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         [
             ("pore flow", flow.is_some()),
             ("fluid forces on spheres", coupled.is_some()),
             ("wall slip", is(flow, |f| f.fluid.slip_walls)),
             (COMPRESSIBILITY.name, is(coupled, |f| f.effects.bulk_modulus.is_some())),
+            (BUOYANCY.name, is(coupled, |f| f.effects.density.is_some())),
             (SOURCES.name, is(coupled, |f| !f.effects.sources.is_empty())),
             (IMPOSED_REGIONS.name, is(coupled, |f| !f.effects.imposed.is_empty())),
             (PRESSURE_IN_TIME.name, is(coupled, Fluid::changes_pressures)),

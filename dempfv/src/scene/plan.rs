@@ -150,7 +150,10 @@ impl Plan {
             }
         }
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
-        let wrong = self.fluid.as_ref().zip(coupled).and_then(|(f, s)| f.undetermined_in(&s.name));
+        let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
+        let wrong = self.fluid.as_ref().and_then(|fluid| {
+            coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+        });
         match wrong {
             Some(Wrong { problem, remedy }) => {
                 Err(Fault { place: Place::Fluid, what: format!("[fluid] {problem}"), remedy })

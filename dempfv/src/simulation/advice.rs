@@ -134,7 +134,7 @@ impl Scene<'_> {
         kozeny_carman(self.porosity, self.diameter)
     }
 
-    /// The weight of the bed against the stress on it: ρ (1 − n) g H / σ.
+    /// The weight of the bed, less its buoyancy, against the stress on it: ρ (1 − n) g H / σ.
     fn gravity(&self, stage: &Stage, stress: Option<f64>) -> Option<Advice> {
         let gravity = self.plan.dem.as_ref().and_then(|dem| dem.options.gravity);
         let size = self.bounds.size();
@@ -142,7 +142,10 @@ impl Scene<'_> {
             Some(g) => (g.norm(), g.abs().dot(&size) / g.norm()),
             None => (STANDARD_GRAVITY, size.max()),
         };
-        let weight = self.plan.particles.material.density * (1.0 - self.porosity) * g * height;
+        let wet = self.plan.fluid.as_ref().filter(|_| stage.kind.is_coupled());
+        let fluid = wet.and_then(|fluid| fluid.effects.density).unwrap_or(0.0);
+        let density = (self.plan.particles.material.density - fluid).abs();
+        let weight = density * (1.0 - self.porosity) * g * height;
         let value = weight / stress.filter(|&s| s > 0.0)?;
         Some(Advice {
             stage: stage.name.clone(),
@@ -226,6 +229,7 @@ impl Scene<'_> {
     /// The Reynolds number of the seepage, Re = ρ_f v d / μ, and what Ergun's (1952) inertial term
     /// adds to the viscous one: 1.75 Re / 150 (1 − n).
     fn fluid_inertia(&self, stage: &Stage) -> Option<Advice> {
+        let effects = &self.plan.fluid.as_ref()?.effects;
         let fluid = &self.plan.fluid.as_ref()?.fluid;
         let pressure = |wall: WallId| fluid.boundary.pressure[wall];
         let gradients = Axis::ALL.into_iter().filter_map(|axis| {
@@ -236,7 +240,8 @@ impl Scene<'_> {
         if velocity == 0.0 {
             return None;
         }
-        let value = WATER_DENSITY * velocity * self.diameter / fluid.viscosity;
+        let density = effects.density.unwrap_or(WATER_DENSITY);
+        let value = density * velocity * self.diameter / fluid.viscosity;
         let change = 1.75 * value / (150.0 * (1.0 - self.porosity));
         let verdict = if change < NEGLIGIBLE { Verdict::LeaveOut } else { Verdict::Beware };
         Some(Advice {

@@ -61,6 +61,7 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "coupling::Coupled::accelerate",
             "coupling::Coupled::set_fluid_effects",
             "time_function::TimeFunction::value",
+            "pfv::Flow::hydrostatic_pressure",
             "coupling::Coupled::update_viscous_mode",
             "coupling::Phases",
             "pfv::Flow::has_pattern_of",

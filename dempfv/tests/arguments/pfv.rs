@@ -137,6 +137,7 @@ pub fn table() -> Table {
             Compressibility::new(value)
         });
     }
+    t.refuses("pfv::Flow::set_weight", "not finite", || flow().set_weight(NAN));
     t.refuses("pfv::Flow::set_wall_pressure", "is not finite", || {
         flow().set_wall_pressure(WallId::YMax, f64::NAN)
     });

@@ -39,6 +39,7 @@ impl<'a> Changes<'a> {
     pub fn outdate_network(&self) -> bool {
         let fluid = [
             "viscosity",
+            "density",
             "bulk_modulus",
             "slip_walls",
             "clamp",
