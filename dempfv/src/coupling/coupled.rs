@@ -173,6 +173,10 @@ impl Coupled {
 
     /// Sees to it that the next step has its network, once.
     fn prepare_network(&mut self, saturation: &Saturation) -> Result<()> {
+        if self.dem.cell().is_some() {
+            let remedy = "there is no flow across its faces yet; run it dry, or put walls around";
+            return Err(DemError::InCell { what: "a fluid", remedy }.into());
+        }
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
         }

@@ -37,7 +37,7 @@ pub use coupled::Coupled;
 pub use error::CouplingError;
 pub use gpu_use::GpuUse;
 pub use network_builder::{BackendBuilder, NetworkBuilder, NetworkRequest, StandardBuilder};
-pub use observe::Observation;
+pub use observe::{CellObservation, Observation};
 pub use options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 pub use phases::{Phase, Phases};
 pub use saturation::{RemeshRule, Saturation};

@@ -33,6 +33,11 @@
 //! forces across blocks are gathered per particle in a fixed order.
 
 mod by_number;
+mod cell;
+mod cell_motion;
+mod cell_neighbours;
+mod cell_pass;
+mod cell_servo;
 mod cloud;
 mod compiled;
 mod contact_forces;
@@ -44,6 +49,7 @@ mod grid;
 mod growth;
 mod hilbert;
 mod integrate;
+mod kept;
 pub mod law;
 mod material;
 mod neighbours;
@@ -65,7 +71,8 @@ mod walls;
 
 pub(crate) use contact_forces::ContactForces;
 
-pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
+pub use cell::{CellControl, CellControls, EFFECT as CELL_EFFECT, PeriodicCell};
+pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};
 pub use contacts::{Contact, Partner};
 pub use error::{DemError, Leaving};
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
