@@ -31,7 +31,6 @@ pub const EFFECT: Effect = Effect {
         EffectKey { key: "size in [cell]", unit: "m", default: "that of the packing file" },
         EffectKey { key: "edges in [cell]", unit: "m", default: "those of the packing file" },
         EffectKey { key: "velocity_gradient in a run stage", unit: "1/s", default: "0" },
-        EffectKey { key: "cell_stress in a run stage", unit: "Pa", default: "none" },
     ],
     needs: "a cell with heights of twice the reach of the largest pair; no walls, gravity or fluid",
     test: "dempfv/tests/cell_contacts.rs, dempfv/tests/cell_motion.rs",

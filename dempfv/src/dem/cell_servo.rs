@@ -3,7 +3,21 @@
 use super::cell::{CellControl, PeriodicCell};
 use super::cell_pass::CellSum;
 use super::system::Dem;
-use crate::Tensor;
+use crate::{Effect, EffectKey, Family, Tensor};
+
+/// What the effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "servo cell",
+    family: Family::Boundaries,
+    equation: "dt L_ab = (sigma_ab - goal) / (2 K_ab) + drift, \
+               K_ab = sum l_b^2 (k_n n_a^2 + k_s (1 - n_a^2)) / V, \
+               at most dt 0.01 sqrt(sigma / rho) / d",
+    source: "proportional and integral control by the affine stiffness of the contacts; the limit is an \
+             inertial number (GDR MiDi 2004)",
+    keys: &[EffectKey { key: "cell_stress in a run stage", unit: "Pa", default: "none" }],
+    needs: "a periodic cell",
+    test: "dempfv/tests/cell_motion.rs",
+};
 
 /// Share of an excess of stress that a step takes away. Strains along the axes feel each other:
 /// together they may be three times as stiff as each alone, and this share stays below 2/3.

@@ -72,6 +72,7 @@ mod walls;
 pub(crate) use contact_forces::ContactForces;
 
 pub use cell::{CellControl, CellControls, EFFECT as CELL_EFFECT, PeriodicCell};
+pub use cell_servo::EFFECT as CELL_SERVO_EFFECT;
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};
 pub use contacts::{Contact, Partner};
 pub use error::{DemError, Leaving};

@@ -266,7 +266,10 @@ impl Reader {
                 self.layout = words.next().and_then(Layout::of_format);
                 Ok(())
             }
-            Some("cell" | "cell:") => self.packing.add_cell(numbers(words, CELL_FORM)?),
+            // Other comments begin with the word, too.
+            Some("cell") if words.clone().next().is_some_and(|w| w.parse::<f64>().is_ok()) => {
+                self.packing.add_cell(numbers(words, CELL_FORM)?)
+            }
             Some(word) if is_box(word) => self.packing.add_box(numbers(words, BOX_FORM)?),
             _ => Ok(()),
         }

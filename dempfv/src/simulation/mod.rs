@@ -33,8 +33,8 @@ mod warning;
 pub use crate::stage_error::StageError;
 pub use estimate::{Estimate, Specimen, UnstableStage};
 pub use outcome::{
-    Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
-    StageOutcome, StressPath, StressPathSample,
+    CellState, Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome,
+    PermeabilityTest, Profile, StageOutcome, StressPath, StressPathSample,
 };
 pub use restart::{Change, Effect, Restart};
 pub use run::{Simulation, SimulationState};

@@ -9,8 +9,9 @@ use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
 /// per-wall quantities, then one for each of the `probes`, then the lowest and the highest stress
-/// on each of the `servos` of any step since the row before.
-pub fn columns(probes: usize, servos: &[WallId]) -> Vec<String> {
+/// on each of the `servos` of any step since the row before; at the end those of a periodic cell,
+/// where there is one.
+pub fn columns(probes: usize, servos: &[WallId], is_cell: bool) -> Vec<String> {
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -53,8 +54,17 @@ pub fn columns(probes: usize, servos: &[WallId]) -> Vec<String> {
             .iter()
             .flat_map(|wall| ["lowest", "highest"].map(|end| format!("{end}_stress_{wall}_pa"))),
     );
+    if is_cell {
+        names.extend(["a", "b", "c"].map(|edge| format!("cell_{edge}_m")));
+        names.extend(["alpha", "beta", "gamma"].map(|angle| format!("cell_{angle}_deg")));
+        names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
+        names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
+    }
     names
 }
+
+/// Components of a tensor, by rows.
+const COMPONENTS: [&str; 9] = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
 
 /// The walls that a servo holds in any stage of a plan.
 pub fn servo_walls(plan: &Plan) -> Vec<WallId> {
@@ -103,6 +113,13 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();
     values.extend(servos.iter().flat_map(|&wall| extremes[wall].map(Value::from)));
+    if let Some(cell) = seen.cell {
+        values.extend(cell.lengths.map(Value::from));
+        values.extend(cell.angles.map(|angle| Value::from(angle.to_degrees())));
+        for tensor in [cell.strain, cell.stress] {
+            values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
+        }
+    }
     for value in values {
         if let Value::Float(x) = value {
             // Sums of nothing are -0, which helps no reader.
