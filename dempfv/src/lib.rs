@@ -18,7 +18,7 @@ mod stage_error;
 pub mod theory;
 mod time_function;
 
-pub use domain::{Aabb, Axis, PerWall, UnknownWall, Vec3, WallId};
+pub use domain::{Aabb, Axis, Cell, CellError, PerWall, Tensor, UnknownWall, Vec3, WallId};
 pub use effect::{Effect, EffectKey, Family};
 pub use error::{Error, Result};
 pub use input::InputError;

@@ -60,7 +60,10 @@ const ROOMS: &[(&str, &[&str])] = &[
 const REEXPORTS: &[(&str, &str)] = &[
     ("Aabb", "domain"),
     ("Axis", "domain"),
+    ("Cell", "domain"),
+    ("CellError", "domain"),
     ("PerWall", "domain"),
+    ("Tensor", "domain"),
     ("UnknownWall", "domain"),
     ("Vec3", "domain"),
     ("WallId", "domain"),

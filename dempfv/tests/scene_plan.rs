@@ -311,6 +311,22 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ("until = { strain = -0.2, axis = \"z\", max_steps = 777 }", "time = 0.37"),
 ];
 
+/// A scene with what goes in a periodic cell only.
+const IN_CELL: &str = r#"
+title = "in a cell"
+[cell]
+size = [0.3, 0.4, 0.5]
+[particles]
+cloud = { count = 30, radius = 0.0123, spread = 0.31 }
+[dem]
+[[stage]]
+kind = "run"
+name = "shear"
+steps = 12
+velocity_gradient = { xx = -0.1, xy = 0.2, xz = 0.3, yx = 0.4, yz = 0.5, zx = 1e-7, zy = -0.7 }
+cell_stress = { yy = 1.3e4, zz = -20.0 }
+"#;
+
 #[test]
 fn a_scene_with_every_key_survives() {
     let plan = Plan::from_toml(EVERY_KEY, None).unwrap();
@@ -322,9 +338,17 @@ fn a_scene_with_every_key_survives() {
         plan.validate().unwrap();
         same_again(&plan);
     }
-    // None was forgotten: each is in the scene or among its other ways, but the packing file, and
+    let edges = "edges = [[0.3, 0.01, 0.0], [0.02, 0.4, 0.03], [0.0, 0.0, 0.5]]";
+    for shape in ["size = [0.3, 0.4, 0.5]", edges] {
+        let plan = Plan::from_toml(&IN_CELL.replace("size = [0.3, 0.4, 0.5]", shape), None);
+        let plan = plan.unwrap();
+        plan.validate().unwrap();
+        same_again(&plan);
+    }
+    // None was forgotten: each is in a scene or among its other ways, but the packing file, and
     // functions of time, which a consolidation refuses (`coupling_conditions`).
     let ways: String = OTHER_WAYS.iter().map(|(_, new)| *new).collect();
+    let ways = ways + IN_CELL + edges;
     let default_again = Plan { title: plan.title.clone(), ..Plan::default() };
     assert_ne!(plan.output, default_again.output);
     for (table, keys) in known_keys()

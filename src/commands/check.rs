@@ -220,7 +220,10 @@ impl fmt::Display for Report {
         line(f, "effects off", &list(&self.effects.off))?;
         let spheres = count(self.estimate.spheres as u64);
         line(f, "particles", &format!("{spheres}: {}", describe::source(&plan.particles.source)))?;
-        if let Some(bounds) = &self.bounds {
+        if let Some(cell) = &plan.cell {
+            line(f, "cell", &describe::cell(cell))?;
+        }
+        if let Some(bounds) = self.bounds.as_ref().filter(|_| plan.cell.is_none()) {
             let size = bounds.size().map(|x| si(x, "m"));
             line(f, "box", &format!("{} × {} × {}", size.x, size.y, size.z))?;
         }
@@ -243,12 +246,18 @@ impl Report {
         };
         let material = &self.plan.particles.material;
         let text = format!(
-            "ρ = {} kg/m³, E = {}, k_s/k_n = {}, friction {}° (walls {}°)",
+            "ρ = {} kg/m³, E = {}, k_s/k_n = {}, friction {}°{}",
             three_digits(material.density),
             si(material.young, "Pa"),
             three_digits(material.stiffness_ratio),
             three_digits(material.friction_angle.to_degrees()),
-            three_digits(self.plan.walls.material.friction_angle.to_degrees()),
+            match &self.plan.cell {
+                None => {
+                    let walls = self.plan.walls.material.friction_angle.to_degrees();
+                    format!(" (walls {}°)", three_digits(walls))
+                }
+                Some(_) => String::new(),
+            },
         );
         line(f, "material", &text)?;
         let limit = bounds.limit();

@@ -18,7 +18,7 @@ pub fn stage(stage: &Stage) -> String {
 fn kind(kind: &StageKind) -> String {
     match kind {
         StageKind::Compact(s) => format!(
-            "radii grow to {} on the walls{}; ends at unbalanced force {} with the stress within {} %",
+            "radii grow to {}{}; ends at unbalanced force {} with the stress within {} %",
             si(s.stress, "Pa"),
             friction(s.friction_angle),
             s.unbalanced,
@@ -53,7 +53,34 @@ fn run(run: &Run) -> String {
         }
     };
     let flow = if run.fluid { "coupled" } else { "dry" };
-    format!("{end}, {flow}, {}{}", controls(&run.walls), friction(run.friction_angle))
+    let moving = match *run.cell == CellControls::default() {
+        true => controls(&run.walls),
+        false => cell_controls(&run.cell),
+    };
+    format!("{end}, {flow}, {moving}{}", friction(run.friction_angle))
+}
+
+fn cell_controls(controls: &CellControls) -> String {
+    let name = |a: usize, b: usize| format!("{}{}", ["x", "y", "z"][a], ["x", "y", "z"][b]);
+    let moving: Vec<String> = (0..9)
+        .map(|k| (k / 3, k % 3))
+        .filter_map(|(a, b)| match controls[a][b] {
+            CellControl::Rate(0.0) => None,
+            CellControl::Rate(rate) => Some(format!("L_{} = {}/s", name(a, b), three_digits(rate))),
+            CellControl::Stress(stress) => {
+                Some(format!("σ_{} at {}", name(a, b), si(stress, "Pa")))
+            }
+        })
+        .collect();
+    moving.join(", ")
+}
+
+/// The periodic cell.
+pub fn cell(shape: &CellShape) -> String {
+    let CellShape::Edges(cell) = shape else { return "that of the packing".to_owned() };
+    let lengths = cell.lengths().map(|x| si(x, "m"));
+    let angles = cell.angles().map(|x| three_digits(x.to_degrees()));
+    format!("{} at {}°", lengths.join(" × "), angles.join("°, "))
 }
 
 fn controls(walls: &PerWall<WallControl>) -> String {

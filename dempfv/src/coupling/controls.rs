@@ -2,7 +2,7 @@
 
 use super::coupled::Coupled;
 use super::error::Result;
-use crate::dem::{Dem, WallControl};
+use crate::dem::{CellControls, Dem, WallControl};
 use crate::{Vec3, WallId};
 
 /// The mechanics, as far as they may be changed between two steps while a
@@ -49,6 +49,14 @@ impl Controls<'_> {
     /// As [`Dem::set_control`].
     pub fn set_control(&mut self, wall: WallId, control: WallControl) -> Result<()> {
         Ok(self.coupled.dem.set_control(wall, control)?)
+    }
+
+    /// Tells what moves the periodic cell from now on.
+    ///
+    /// # Errors
+    /// As [`Dem::set_cell_controls`].
+    pub fn set_cell_controls(&mut self, controls: CellControls) -> Result<()> {
+        Ok(self.coupled.dem.set_cell_controls(controls)?)
     }
 
     /// Changes the friction angle between spheres (rad). An automatic time step

@@ -200,6 +200,10 @@ impl Coupled {
     /// Sees to it that the next step, of this length (s) as far as it is known, has its network,
     /// once.
     fn prepare_network(&mut self, saturation: &Saturation, time_step: f64) -> Result<()> {
+        if self.dem.cell().is_some() {
+            let remedy = "there is no flow across its faces yet; run it dry, or put walls around";
+            return Err(DemError::InCell { what: "a fluid", remedy }.into());
+        }
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
         }

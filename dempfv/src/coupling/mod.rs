@@ -39,7 +39,7 @@ pub use error::CouplingError;
 pub use fluid_effects::{FluidEffects, IMPOSED_REGIONS, PRESSURE_IN_TIME};
 pub use gpu_use::GpuUse;
 pub use network_builder::{BackendBuilder, NetworkBuilder, NetworkRequest, StandardBuilder};
-pub use observe::Observation;
+pub use observe::{CellObservation, Observation};
 pub use options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 pub use phases::{Phase, Phases};
 pub use saturation::{RemeshRule, Saturation};

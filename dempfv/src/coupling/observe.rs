@@ -1,20 +1,22 @@
 //! What can be seen of a simulation between two steps.
 
 use super::coupled::Coupled;
-use crate::{Vec3, WallId};
+use crate::{Axis, Tensor, Vec3, WallId};
 
 /// Scalars of the current state, for histories and progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
-    /// Edge lengths of the box (m).
+    /// Edge lengths of the box (m), or of the box around a periodic cell.
     pub size: [f64; 3],
+    /// What a periodic cell has come to; `None` between walls.
+    pub cell: Option<CellObservation>,
     /// Stress on each wall by contacts (Pa).
     pub contact_stress: [f64; 6],
     /// Stress on each wall by the fluid (Pa); 0 where the pores are empty.
     pub fluid_stress: [f64; 6],
     /// Displacement of each wall along its axis (m).
     pub wall_displacement: [f64; 6],
-    /// Porosity of the box, overlaps counted twice (1).
+    /// Porosity of the box or the cell, overlaps counted twice (1).
     pub porosity: f64,
     /// Mean resultant force over mean contact force (1).
     pub unbalanced_force: f64,
@@ -34,7 +36,45 @@ pub struct Observation {
     pub flux: [f64; 6],
 }
 
+/// A periodic cell at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellObservation {
+    /// Lengths of its edges (m), and the angles between the second and the third, the third and
+    /// the first, the first and the second (rad).
+    pub lengths: [f64; 3],
+    /// See above.
+    pub angles: [f64; 3],
+    /// ∫ L dt since the cell was made (1), positive in extension.
+    pub strain: Tensor,
+    /// Stress by contacts and motion (Pa, positive in compression).
+    pub stress: Tensor,
+}
+
 impl Coupled {
+    /// Looks at the periodic cell, if there is one.
+    pub fn observe_cell(&self) -> Option<CellObservation> {
+        let cell = self.dem.cell()?;
+        Some(CellObservation {
+            lengths: cell.cell().lengths(),
+            angles: cell.cell().angles(),
+            strain: *cell.strain(),
+            stress: self.dem.stress_in_cell() + self.dem.kinetic_stress(),
+        })
+    }
+
+    /// Normal stress along an axis (Pa): of its two walls, contacts and fluid together, or of the
+    /// periodic cell.
+    pub fn axis_stress(&self, axis: Axis) -> f64 {
+        let k = axis.index();
+        match self.observe_cell() {
+            Some(cell) => cell.stress[(k, k)],
+            None => {
+                let [lower, upper] = [2 * k, 2 * k + 1].map(|w| WallId::ALL[w]);
+                0.5 * (self.wall_stress(lower) + self.wall_stress(upper))
+            }
+        }
+    }
+
     /// Looks at the current state.
     pub fn observe(&self) -> Observation {
         let dem = &self.dem;
@@ -47,6 +87,7 @@ impl Coupled {
             flow.map_or(0.0, |f| f.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max));
         Observation {
             size: bounds.size().into(),
+            cell: self.observe_cell(),
             contact_stress: WallId::ALL.map(|w| stress(contact_force[w], w)),
             fluid_stress: WallId::ALL.map(|w| stress(fluid_force[w.index()], w)),
             wall_displacement: dem.walls().map(|w| w.displacement).0,

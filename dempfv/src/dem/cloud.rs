@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_neighbours::Sight;
 use super::error::DemError;
 use super::grid::CellIndex;
 use super::material::positive;
 use super::rng::Rng;
 use super::walls::check_box;
-use crate::{Aabb, Vec3};
+use crate::{Aabb, Cell, Vec3};
 
 /// Spheres are numbered in 32 bits, walls and one number for none behind them.
 const MOST_SPHERES: usize = u32::MAX as usize - 8;
@@ -79,27 +80,87 @@ pub struct CloudSpec {
 /// ```
 pub fn random_cloud(spec: &CloudSpec) -> Result<Vec<(Vec3, f64)>, DemError> {
     check_box(&spec.box_)?;
+    let mut rng = Rng::new(spec.seed);
+    let volume = spec.box_.volume();
+    let Drawn { radii, cloud } = draw(spec.count, (&spec.sizes, spec.scale), volume, &mut rng)?;
+    let largest = radii.first().copied().unwrap_or_default();
+    place(&radii, cloud, volume, (&spec.box_, largest), |radius, cloud, placed| {
+        find_room(&spec.box_, radius, cloud, placed, &mut rng)
+    })
+}
+
+/// The same in a periodic cell, where spheres may lie across its faces; their centres are in it.
+///
+/// # Errors
+/// As [`random_cloud`]; [`DemError::CellTooSmall`] for a cell smaller than four of the largest
+/// spheres.
+pub fn random_cloud_in_cell(
+    cell: &Cell,
+    count: usize,
+    sizes: &SizeDistribution,
+    scale: CloudScale,
+    seed: u64,
+) -> Result<Vec<(Vec3, f64)>, DemError> {
+    let mut rng = Rng::new(seed);
+    let cell = &cell.reduced().unwrap_or(*cell);
+    let volume = cell.volume();
+    let Drawn { radii, cloud } = draw(count, (sizes, scale), volume, &mut rng)?;
+    let largest = radii.first().copied().unwrap_or_default();
+    let sight = Sight::new(cell, largest, 0.0)?;
+    place(&radii, cloud, volume, (&cell.bounds(), largest), |radius, cloud, placed| {
+        (0..TRIES).find_map(|_| {
+            let share = Vec3::new(rng.uniform(), rng.uniform(), rng.uniform());
+            let centre = cell.matrix() * share;
+            let mut copies = sight.copies(&centre, radius);
+            copies.all(|x| is_free(&x, radius, cloud, placed)).then_some(centre)
+        })
+    })
+}
+
+/// Radii, the largest first, and room for as many spheres.
+struct Drawn {
+    radii: Vec<f64>,
+    cloud: Vec<(Vec3, f64)>,
+}
+
+fn draw(
+    count: usize,
+    (sizes, scale): (&SizeDistribution, CloudScale),
+    volume: f64,
+    rng: &mut Rng,
+) -> Result<Drawn, DemError> {
     let (mut cloud, mut radii) = (vec![], vec![]);
-    let has_room = spec.count <= MOST_SPHERES
-        && cloud.try_reserve_exact(spec.count).is_ok()
-        && radii.try_reserve_exact(spec.count).is_ok();
+    let has_room = count <= MOST_SPHERES
+        && cloud.try_reserve_exact(count).is_ok()
+        && radii.try_reserve_exact(count).is_ok();
     if !has_room {
         let expected = "no more than 4,294,967,287, for which there is memory";
-        return Err(DemError::Parameter { name: "count", value: spec.count as f64, expected });
+        return Err(DemError::Parameter { name: "count", value: count as f64, expected });
     }
-    let mut rng = Rng::new(spec.seed);
-    spec.sizes.draw(spec.count, &mut rng, &mut radii)?;
-    rescale(&mut radii, spec)?;
+    sizes.draw(count, rng, &mut radii)?;
+    rescale(&mut radii, (sizes, scale), volume)?;
     radii.iter().try_for_each(|&r| positive("radius", r))?;
     radii.sort_by(|a, b| b.total_cmp(a));
-    let Some(&largest) = radii.first() else { return Ok(Vec::new()) };
+    Ok(Drawn { radii, cloud })
+}
 
-    let mut cells = Cells::new(&spec.box_, largest, spec.count);
-    for &radius in &radii {
-        let centre = find_room(&spec.box_, radius, &cloud, &cells, &mut rng).ok_or_else(|| {
+/// Places spheres where `find` has room for them.
+fn place(
+    radii: &[f64],
+    mut cloud: Vec<(Vec3, f64)>,
+    volume: f64,
+    (box_, largest): (&Aabb, f64),
+    mut find: impl FnMut(f64, &[(Vec3, f64)], &Cells) -> Option<Vec3>,
+) -> Result<Vec<(Vec3, f64)>, DemError> {
+    if radii.is_empty() {
+        return Ok(cloud);
+    }
+    let mut cells = Cells::new(box_, largest, radii.len());
+    for &radius in radii {
+        let centre = find(radius, &cloud, &cells).ok_or_else(|| {
             let solid: f64 = radii.iter().map(|r| sphere_volume(*r)).sum();
-            let porosity = 1.0 - solid / spec.box_.volume();
-            DemError::CloudFull { placed: cloud.len(), count: spec.count, porosity }
+            let porosity = 1.0 - solid / volume;
+            DemError::CloudFull { placed: cloud.len(), count: radii.len(), porosity }
         })?;
         cells.add(&centre, cloud.len() as u32);
         cloud.push((centre, radius));
@@ -150,8 +211,12 @@ fn whole_numbers(list: &[(f64, f64)], total: f64, count: usize, radii: &mut Vec<
     }
 }
 
-fn rescale(radii: &mut [f64], spec: &CloudSpec) -> Result<(), DemError> {
-    let factor = match spec.scale {
+fn rescale(
+    radii: &mut [f64],
+    (sizes, scale): (&SizeDistribution, CloudScale),
+    volume: f64,
+) -> Result<(), DemError> {
+    let factor = match scale {
         CloudScale::Porosity(porosity) => {
             if !(porosity > 0.0 && porosity < 1.0) {
                 return Err(DemError::Parameter {
@@ -161,18 +226,18 @@ fn rescale(radii: &mut [f64], spec: &CloudSpec) -> Result<(), DemError> {
                 });
             }
             let solid: f64 = radii.iter().map(|r| sphere_volume(*r)).sum();
-            ((1.0 - porosity) * spec.box_.volume() / solid).cbrt()
+            ((1.0 - porosity) * volume / solid).cbrt()
         }
         CloudScale::MeanRadius(mean) => {
             positive("mean radius", mean)?;
             // The drawn radii of a uniform distribution are around one: the
             // mean is the distribution's, not the sample's.
-            match &spec.sizes {
+            match sizes {
                 SizeDistribution::Uniform { .. } => mean,
                 SizeDistribution::List(_) => mean * radii.len() as f64 / radii.iter().sum::<f64>(),
             }
         }
-        CloudScale::AsListed => match &spec.sizes {
+        CloudScale::AsListed => match sizes {
             SizeDistribution::List(_) => 1.0,
             SizeDistribution::Uniform { spread } => {
                 return Err(DemError::Parameter {
@@ -204,11 +269,15 @@ fn find_room(
     (0..TRIES).find_map(|_| {
         let share = Vec3::new(rng.uniform(), rng.uniform(), rng.uniform());
         let centre = box_.min.add_scalar(radius) + room.component_mul(&share);
-        let free = |j: u32| {
-            let (other, r) = &cloud[j as usize];
-            (other - centre).norm_squared() >= (radius + r).powi(2)
-        };
-        cells.around(&centre, radius).all(free).then_some(centre)
+        is_free(&centre, radius, cloud, cells).then_some(centre)
+    })
+}
+
+/// Whether a sphere at `x` overlaps none.
+fn is_free(x: &Vec3, radius: f64, cloud: &[(Vec3, f64)], cells: &Cells) -> bool {
+    cells.around(x, radius).all(|j| {
+        let (other, r) = &cloud[j as usize];
+        (other - x).norm_squared() >= (radius + r).powi(2)
     })
 }
 

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_pass::CellSum;
 use super::error::{DemError, require_length};
 use super::system::Dem;
 use super::wall_pairs::WallSum;
@@ -17,6 +18,8 @@ pub(crate) struct ContactForces {
     torque: Vec<Vec3>,
     /// Force on each wall (N), and normal stiffness of its contacts (N/m).
     walls: PerWall<(Vec3, f64)>,
+    /// Sums in a periodic cell (N m): of the moments, and of the stiffnesses.
+    cell: ([f64; 9], [f64; 9]),
 }
 
 impl Dem {
@@ -26,6 +29,7 @@ impl Dem {
             force: self.forces.force.clone(),
             torque: self.forces.torque.clone(),
             walls: self.wall_sums.map(|sum| (sum.force, sum.stiffness)),
+            cell: (self.cell_sum.moment, self.cell_sum.stiffness),
         }
     }
 
@@ -34,7 +38,7 @@ impl Dem {
     /// # Errors
     /// [`DemError::Length`] for forces of another number of spheres.
     pub(crate) fn set_contact_forces(&mut self, forces: ContactForces) -> Result<(), DemError> {
-        let ContactForces { force, torque, walls } = forces;
+        let ContactForces { force, torque, walls, cell } = forces;
         let expected = self.particles.len();
         for (what, found) in [("contact force", force.len()), ("contact torque", torque.len())] {
             require_length(what, found, expected)?;
@@ -42,6 +46,8 @@ impl Dem {
         self.forces.force = force;
         self.forces.torque = torque;
         self.wall_sums = walls.map(|&(force, stiffness)| WallSum { force, stiffness });
+        let (moment, stiffness) = cell;
+        self.cell_sum = CellSum { moment, stiffness };
         Ok(())
     }
 }

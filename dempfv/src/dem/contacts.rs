@@ -1,5 +1,6 @@
 //! The live contacts, one by one, for observables and output.
 
+use super::cell_pass::CellPass;
 use super::compiled::{Surfaces, Touch};
 use super::law::{SphereOnPlane, TwoSpheres};
 use super::neighbours::WallPair;
@@ -92,19 +93,27 @@ impl Dem {
     pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> + '_ {
         let list = &self.list;
         let length = self.law.history_length();
-        let spheres = (0..list.pairs.len())
-            .filter(|&k| list.touch[k])
-            .map(move |k| self.sphere_place(list.pairs[k], &list.history[k * length..][..length]));
+        let pass = self.cell.as_ref().map(CellPass::new);
+        let spheres = (0..list.pairs.len()).filter(|&k| list.touch[k]).map(move |k| {
+            let shift = pass.map_or(Vec3::zeros(), |pass| pass.shift(list.image[k]));
+            self.sphere_place(list.pairs[k], shift, &list.history[k * length..][..length])
+        });
         let walls = (0..list.wall_pairs.len()).filter(|&k| list.wall_touch[k]).map(move |k| {
             self.wall_place(list.wall_pairs[k], &list.wall_history[k * length..][..length])
         });
         spheres.chain(walls)
     }
 
-    pub(super) fn sphere_place<'a>(&self, pair: [u32; 2], history: &'a [f64]) -> Place<'a> {
+    /// `shift` leads to the copy of the second sphere that is meant (m).
+    pub(super) fn sphere_place<'a>(
+        &self,
+        pair: [u32; 2],
+        shift: Vec3,
+        history: &'a [f64],
+    ) -> Place<'a> {
         let p = &self.particles;
         let [i, j] = pair.map(|k| k as usize);
-        let apart = p.position[j] - p.position[i];
+        let apart = p.position[j] - p.position[i] + shift;
         let distance = apart.norm();
         let surfaces = Surfaces::Spheres(
             TwoSpheres(p.radius[i], p.radius[j]),

@@ -16,7 +16,7 @@ use super::ledger::{Ledger, MotionWork};
 use super::system::Dem;
 use super::touch_change::slip;
 use crate::parallel::{block_count, sum_of};
-use crate::{PerWall, WallId};
+use crate::{PerWall, Vec3, WallId};
 
 /// Energy of the spheres by cause (J), since [`Dem::track_energy`].
 ///
@@ -75,9 +75,10 @@ impl EnergyBalance {
 
 impl Dem {
     /// Begins to track energy by cause, or ends it. Costs nothing when off. Beginning anew forgets
-    /// what was tracked before.
+    /// what was tracked before. There is none in a periodic cell, whose work is not booked.
     pub fn track_energy(&mut self, on: bool) {
         self.ledger = None;
+        let on = on && self.cell.is_none();
         let blocks = if on { block_count(self.particles.len()) } else { 0 };
         self.forces.losses = vec![Losses::default(); blocks];
         self.motion_work = vec![MotionWork::default(); blocks];
@@ -136,7 +137,8 @@ impl Dem {
         let (list, length) = (&self.list, self.law.history_length());
         let spheres = sum_of(list.pairs.len(), |k| {
             let history = &list.history[k * length..][..length];
-            let place = || self.elastic_half_way(&self.sphere_place(list.pairs[k], history));
+            let place =
+                || self.elastic_half_way(&self.sphere_place(list.pairs[k], Vec3::zeros(), history));
             if list.touch[k] { place() } else { 0.0 }
         });
         let walls = sum_of(list.wall_pairs.len(), |k| {

@@ -1,6 +1,9 @@
 //! What can go wrong in the mechanics.
 
-use crate::WallId;
+use crate::{CellError, WallId};
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The mechanics cannot go on, or was given something it cannot work with.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -156,6 +159,46 @@ pub enum DemError {
         lower: WallId,
         /// The wall at the upper end.
         upper: WallId,
+    },
+    /// Edges that are no periodic cell, or what a step has left of one.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// A periodic cell so small that two spheres might meet twice.
+    #[error(
+        "the periodic cell is {height:.4e} m high between two of its faces, and spheres of up to \
+         {largest:.4e} m in radius with the skin of the neighbour list need {least:.4e} m, so that none \
+         meets another twice; take more spheres, or smaller ones"
+    )]
+    CellTooSmall {
+        /// Distance between two opposite faces (m).
+        height: f64,
+        /// The least that is allowed (m).
+        least: f64,
+        /// Largest radius (m).
+        largest: f64,
+    },
+    /// A shear stress is prescribed by both its components.
+    #[error(
+        "the stress on the cell is given for {a}{b} and for {b}{a}: it is symmetric; give one, and a rate \
+         for the other, which says how the cell turns",
+        a = AXES[*first], b = AXES[*second]
+    )]
+    StressTwice {
+        /// The smaller of the two axes.
+        first: usize,
+        /// The larger one.
+        second: usize,
+    },
+    /// What asks for a periodic cell, without one.
+    #[error("there is no periodic cell, but walls; make the spheres in a cell")]
+    NoCell,
+    /// What makes no sense in a periodic cell.
+    #[error("{what} in a periodic cell: {remedy}")]
+    InCell {
+        /// What it is.
+        what: &'static str,
+        /// Why not, and what would be right.
+        remedy: &'static str,
     },
     /// The random cloud has no room for another sphere.
     #[error(

@@ -1,4 +1,4 @@
-//! Packing by growing all radii in a fixed box until the walls carry a stress.
+//! Packing by growing all radii in a fixed box or periodic cell until it carries a stress.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::system::Dem;
 /// How radii grow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GrowthOptions {
-    /// Mean stress of the six walls to be reached (Pa).
+    /// Mean stress of the six walls, or of the periodic cell, to be reached (Pa).
     pub stress: f64,
     /// Largest factor on the radii in one control step, until the stress has
     /// once passed the goal.
@@ -65,7 +65,7 @@ impl GrowthOptions {
 pub struct GrowthStatus {
     /// Steps done.
     pub steps: u64,
-    /// Mean stress of the six walls (Pa), at the last control step.
+    /// Mean stress of the six walls, or of the periodic cell (Pa), at the last control step.
     pub stress: f64,
     /// Unbalanced force, at the last control step.
     pub unbalanced: f64,
@@ -172,7 +172,7 @@ impl GrowthCompaction {
     /// Measures, grows, and sets the time step.
     fn control(&mut self, dem: &mut Dem) -> Result<(), DemError> {
         let goal = self.options.stress;
-        let stress = dem.mean_wall_stress();
+        let stress = dem.mean_stress();
         let unbalanced = dem.force_ratio(None);
         let missing = (goal - stress) / goal;
         self.status.stress = stress;

@@ -33,6 +33,11 @@
 //! forces across blocks are gathered per particle in a fixed order.
 
 mod by_number;
+mod cell;
+mod cell_motion;
+mod cell_neighbours;
+mod cell_pass;
+mod cell_servo;
 mod changes;
 mod cloud;
 mod compiled;
@@ -46,6 +51,7 @@ mod grid;
 mod growth;
 mod hilbert;
 mod integrate;
+mod kept;
 pub mod law;
 mod ledger;
 mod material;
@@ -69,7 +75,9 @@ mod walls;
 
 pub(crate) use contact_forces::ContactForces;
 
-pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
+pub use cell::{CellControl, CellControls, EFFECT as CELL_EFFECT, PeriodicCell};
+pub use cell_servo::EFFECT as CELL_SERVO_EFFECT;
+pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};
 pub use contacts::{Contact, Partner};
 pub use energy::EnergyBalance;
 pub use error::{DemError, Leaving};

@@ -10,13 +10,15 @@
 
 use rayon::prelude::*;
 
+use super::cell_neighbours::{CellStrain, Sight, Wrapped};
 use super::error::DemError;
 use super::grid::Grid;
+use super::kept::{Kept, history_of, merge};
 use super::particles::Particles;
 use super::state::{ContactHistory, DemState};
 use super::walls::{Wall, box_of};
 use crate::parallel::{BLOCK, block_count};
-use crate::{PerWall, WallId};
+use crate::{Cell, PerWall, Tensor, WallId};
 
 /// Share of the skin that must be left for a list to be kept: with less, the
 /// particles would be looked at in nearly every step.
@@ -50,6 +52,8 @@ pub(super) struct Neighbours {
     length: usize,
     /// Spheres that may touch, the smaller index first.
     pub pairs: Vec<[u32; 2]>,
+    /// Which copy of its second sphere each pair means; empty without a periodic cell.
+    pub image: Vec<u8>,
     /// Which of the pairs were within the law's reach when the contacts were
     /// last computed.
     pub touch: Vec<bool>,
@@ -75,6 +79,9 @@ pub(super) struct Neighbours {
     slack: f64,
     /// How far any particle may go before one must look again (m).
     budget: f64,
+    /// In a periodic cell: how it has deformed since the list was built.
+    cell_strain: CellStrain,
+    wrapped: Wrapped,
     grid: Grid,
     parts: Vec<Part>,
 }
@@ -84,20 +91,14 @@ pub(super) struct Neighbours {
 struct Part {
     inner: Vec<[u32; 2]>,
     outer: Vec<[u32; 2]>,
+    /// Images of the inner and the outer pairs, in a periodic cell.
+    images: [Vec<u8>; 2],
+    found: Vec<(u32, u8)>,
     walls: Vec<WallPair>,
     /// Histories carried over, places counted through inner, then outer.
     kept: Kept,
     wall_kept: Kept,
     coincident: Option<[u32; 2]>,
-}
-
-/// Histories that some of the entries of a block take over.
-#[derive(Default)]
-struct Kept {
-    /// Place of each entry.
-    place: Vec<usize>,
-    /// Their histories, one after the other.
-    history: Vec<f64>,
 }
 
 impl Neighbours {
@@ -114,6 +115,32 @@ impl Neighbours {
     /// Takes note that particles have grown or shrunk.
     pub fn resized(&mut self) {
         self.budget = 0.0;
+    }
+
+    /// Takes note that a periodic cell and the particles with it have been strained, by Δt L.
+    pub fn strained(&mut self, strain: &Tensor) {
+        self.budget -= self.cell_strain.add(strain);
+    }
+
+    /// Takes note that particles are in other places of a periodic cell.
+    pub fn outdate(&mut self) {
+        self.slack = 0.0;
+        self.budget = 0.0;
+    }
+
+    /// [`Neighbours::outdated`] in a periodic cell: what the cell takes along uses up less of the
+    /// skin than it moves.
+    pub fn outdated_in_cell(&mut self, centre: &[[f64; 4]]) -> bool {
+        if self.budget > 0.0 {
+            return false;
+        }
+        let slack = self.slack - self.cell_strain.approach();
+        let left = centre.iter().zip(&self.reference).fold(slack, |left, (c, old)| {
+            left.min(slack - (c[3] - old[3]) - self.cell_strain.way(c, old))
+        });
+        // Less than all that is left: later strains carry on what the particles have gone.
+        self.budget = 0.9 * left;
+        left <= LEAST_LEFT * self.slack
     }
 
     /// True when walls or particles have used up the skin, or nearly. Looks
@@ -144,20 +171,36 @@ impl Neighbours {
     pub fn build(
         &mut self,
         particles: &Particles,
-        walls: &PerWall<Wall>,
+        (walls, cell): (&PerWall<Wall>, Option<&Cell>),
         cut_off: f64,
         skin: f64,
     ) -> Result<(), DemError> {
         let n = particles.len();
-        check_inside(particles, walls)?;
         let skin = skin * particles.radius.iter().sum::<f64>() / n.max(1) as f64;
         let margin = skin + cut_off;
-        self.grid.fill(&particles.position, &particles.radius, &box_of(walls), margin);
+        let largest = particles.radius.iter().copied().fold(0.0, f64::max);
+        let sight = cell.map(|cell| Sight::new(cell, largest, margin)).transpose()?;
+        let position = match cell {
+            None => {
+                check_inside(particles, walls)?;
+                &particles.position
+            }
+            Some(cell) => {
+                self.wrapped.fill(&particles.position, cell);
+                &self.wrapped.position
+            }
+        };
+        self.grid.fill(position, &particles.radius, &box_of(walls), margin);
 
         let mut parts = std::mem::take(&mut self.parts);
         parts.resize_with(block_count(n), Part::default);
         parts.par_iter_mut().enumerate().for_each(|(block, part)| {
-            part.find(block, particles, walls, &self.grid, margin);
+            match &sight {
+                None => part.find(block, particles, walls, &self.grid, margin),
+                Some(sight) => {
+                    part.find_in_cell(block, particles, &self.wrapped, &self.grid, sight);
+                }
+            }
             part.carry(block, self);
         });
         let coincident = parts.iter().find_map(|p| p.coincident);
@@ -176,6 +219,7 @@ impl Neighbours {
             particles.position.iter().zip(&particles.radius).map(|(x, &r)| [x.x, x.y, x.z, r]),
         );
         self.wall_reference = walls.map(|w| w.position);
+        self.cell_strain = CellStrain::none(sight.map_or(0.0, |sight| sight.reach()));
         Ok(())
     }
 
@@ -188,6 +232,7 @@ impl Neighbours {
             list.clear();
         }
         self.pairs.clear();
+        self.image.clear();
         self.wall_pairs.clear();
         self.bounds.clear();
         let mut sent = 0;
@@ -201,6 +246,7 @@ impl Neighbours {
             });
             self.pairs.extend_from_slice(&part.inner);
             self.pairs.extend_from_slice(&part.outer);
+            self.image.extend(part.images.iter().flatten());
             self.wall_pairs.extend_from_slice(&part.walls);
             sent += part.outer.len();
         }
@@ -300,41 +346,6 @@ impl Neighbours {
     }
 }
 
-/// The entries within reach, and their histories.
-fn history_of<T: Copy>(
-    entries: &[T],
-    touch: &[bool],
-    history: &[f64],
-    length: usize,
-) -> ContactHistory<T> {
-    let within = || (0..entries.len()).filter(|&k| touch[k]);
-    ContactHistory {
-        bodies: within().map(|k| entries[k]).collect(),
-        numbers: within().flat_map(|k| &history[k * length..][..length]).copied().collect(),
-    }
-}
-
-impl Kept {
-    fn clear(&mut self) {
-        self.place.clear();
-        self.history.clear();
-    }
-
-    fn push(&mut self, place: usize, history: &[f64]) {
-        self.place.push(place);
-        self.history.extend_from_slice(history);
-    }
-
-    /// Writes the histories to the entries from `start` on.
-    fn put_back(&self, start: usize, touch: &mut [bool], history: &mut [f64], length: usize) {
-        for (k, place) in self.place.iter().enumerate() {
-            let to = start + place;
-            touch[to] = true;
-            history[to * length..][..length].copy_from_slice(&self.history[k * length..][..length]);
-        }
-    }
-}
-
 impl Part {
     /// Finds the pairs of the block's particles whose gap is less than
     /// `margin` (m).
@@ -380,6 +391,36 @@ impl Part {
         }
     }
 
+    /// [`Part::find`] in a periodic cell, which has no walls.
+    fn find_in_cell(
+        &mut self,
+        block: usize,
+        p: &Particles,
+        wrapped: &Wrapped,
+        grid: &Grid,
+        sight: &Sight<'_>,
+    ) {
+        let end = ((block + 1) * BLOCK).min(p.len());
+        self.inner.clear();
+        self.outer.clear();
+        self.images.iter_mut().for_each(Vec::clear);
+        self.coincident = None;
+        let mut found = std::mem::take(&mut self.found);
+        for i in block * BLOCK..end {
+            wrapped.around(i, p, grid, sight, &mut found);
+            for &(j, image) in &found {
+                let is_inner = (j as usize) < end;
+                let list = if is_inner { &mut self.inner } else { &mut self.outer };
+                list.push([i as u32, j]);
+                self.images[usize::from(!is_inner)].push(image);
+                if wrapped.position[i] == wrapped.position[j as usize] {
+                    self.coincident = Some([i as u32, j]);
+                }
+            }
+        }
+        self.found = found;
+    }
+
     /// Carries the history of the block over from the old list.
     fn carry(&mut self, block: usize, old: &Neighbours) {
         self.kept.clear();
@@ -406,20 +447,6 @@ impl Part {
             let history = &old.wall_history[(range.start + a) * length..][..length];
             kept.push(b, history);
         });
-    }
-}
-
-/// Calls `found` with the places in `old` and `new`, both sorted, of the
-/// entries that they share and that touched.
-fn merge<T: Ord>(old: &[T], touched: &[bool], new: &[T], mut found: impl FnMut(usize, usize)) {
-    let mut b = 0;
-    for (a, entry) in old.iter().enumerate().filter(|(a, _)| touched[*a]) {
-        while b < new.len() && new[b] < *entry {
-            b += 1;
-        }
-        if b < new.len() && new[b] == *entry {
-            found(a, b);
-        }
     }
 }
 

@@ -2,14 +2,11 @@
 
 use super::error::{DemError, require_length};
 use super::system::Dem;
-use crate::{Vec3, WallId};
-
-/// A symmetric or full 3 × 3 tensor.
-type Tensor = nalgebra::Matrix3<f64>;
+use crate::{Tensor, Vec3, WallId};
 
 impl Dem {
     /// Kinetic energy of translation and rotation (J), of the velocities half
-    /// a time step before the positions.
+    /// a time step before the positions; in a periodic cell relative to its mean field.
     pub fn kinetic_energy(&self) -> f64 {
         let p = &self.particles;
         (0..p.len())
@@ -53,9 +50,15 @@ impl Dem {
         ends as f64 / self.particles.len().max(1) as f64
     }
 
-    /// Share of the box that no sphere fills; overlaps count twice as solid.
+    /// Volume of the box, or of the periodic cell (m³).
+    pub fn volume(&self) -> f64 {
+        self.cell.as_ref().map_or_else(|| self.box_().volume(), |cell| cell.cell().volume())
+    }
+
+    /// Share of the box, or of the periodic cell, that no sphere fills; overlaps count twice as
+    /// solid.
     pub fn porosity(&self) -> f64 {
-        1.0 - self.particles.solid_volume() / self.box_().volume()
+        1.0 - self.particles.solid_volume() / self.volume()
     }
 
     /// Mean force left on a sphere over mean contact force: how far the
@@ -96,10 +99,19 @@ impl Dem {
     }
 
     /// Stress of the contacts on a wall (Pa, positive in compression), from
-    /// the last [`Dem::compute_contacts`].
+    /// the last [`Dem::compute_contacts`]; 0 in a periodic cell, which has none.
     pub fn wall_stress(&self, wall: WallId) -> f64 {
         let force = self.wall_sums[wall].force[wall.axis()];
         -wall.inward() * force / self.box_().wall_area(wall)
+    }
+
+    /// Mean stress of the contacts (Pa): of the six walls, or in a periodic cell of the three
+    /// normal stresses.
+    pub fn mean_stress(&self) -> f64 {
+        match self.cell {
+            None => self.mean_wall_stress(),
+            Some(_) => self.stress_in_cell().trace() / 3.0,
+        }
     }
 
     /// Mean of the six wall stresses (Pa).
@@ -113,6 +125,22 @@ impl Dem {
     pub fn stress(&self) -> Tensor {
         let sum: Tensor =
             self.contacts().map(|c| c.force() * (c.distance * c.normal).transpose()).sum();
-        sum / self.box_().volume()
+        sum / self.volume()
+    }
+
+    /// Stress tensor of the contacts in a periodic cell, as the last [`Dem::compute_contacts`]
+    /// found it: that of [`Dem::stress`], with what velocities add to the forces, and without
+    /// another look at the contacts. Zero between walls.
+    pub fn stress_in_cell(&self) -> Tensor {
+        Tensor::from_row_slice(&self.cell_sum.moment) / self.volume()
+    }
+
+    /// Stress by the motion of the spheres (Pa, positive in compression): Σ m c ⊗ c / V, with
+    /// velocities c relative to the mean field of a periodic cell, half a time step before the
+    /// positions. What a cell's servo holds is the sum of this and [`Dem::stress_in_cell`].
+    pub fn kinetic_stress(&self) -> Tensor {
+        let p = &self.particles;
+        let sum: Tensor = p.mass.iter().zip(&p.velocity).map(|(&m, c)| m * c * c.transpose()).sum();
+        sum / self.volume()
     }
 }

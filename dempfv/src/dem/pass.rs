@@ -1,13 +1,14 @@
 //! Contact forces: one pass over the blocks evaluates each contact once and
 //! sums up within the block; a second one gathers what crosses blocks.
 
+use super::cell_pass::CellSum;
 use super::law::{Batch, ContactLaw, History, Losses, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
 use super::sphere_pairs::{SpherePairRange, Wrench};
 use super::wall_pairs::{WallPairRange, WallSum};
-use crate::parallel::{BLOCK, Span, cut_mut, for_blocks};
+use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 use crate::{PerWall, Vec3};
 
 /// What the contact pass writes.
@@ -23,6 +24,8 @@ pub(super) struct Forces {
     pub wall_sums: Vec<PerWall<WallSum>>,
     /// What contacts have dissipated in the step, per block; empty where that is not tracked.
     pub losses: Vec<Losses>,
+    /// Sums of the contacts in a periodic cell, per block; empty without one.
+    pub cell_sums: Vec<CellSum>,
 }
 
 /// A law with the constants of this pass.
@@ -43,28 +46,35 @@ pub(super) fn contact_forces<L: ContactLaw>(
     input: Input<'_>,
 ) {
     let bound = Bound { law, table, wall_motion: table.wall_needs() > Needs::Overlap, input };
-    if input.material.is_empty() {
-        choose::<L, false>(list, out, &bound);
-    } else {
-        choose::<L, true>(list, out, &bound);
+    match (input.cell.is_some(), input.material.is_empty()) {
+        (false, true) => choose::<L, false, false>(list, out, &bound),
+        (false, false) => choose::<L, true, false>(list, out, &bound),
+        // One set of kernels for any number of materials: there are enough of them.
+        (true, _) => choose::<L, true, true>(list, out, &bound),
     }
 }
 
-fn choose<L: ContactLaw, const MATERIALS: bool>(
+fn choose<L: ContactLaw, const MATERIALS: bool, const PERIODIC: bool>(
     list: &mut Neighbours,
     out: &mut Forces,
     bound: &Bound<'_, L>,
 ) {
     match (bound.table.needs(), bound.input.rotation) {
-        (Needs::Overlap, _) => run::<L, MATERIALS, false, false>(list, out, bound),
+        (Needs::Overlap, _) => run::<L, MATERIALS, false, false, PERIODIC>(list, out, bound),
         (Needs::Motion, _) | (Needs::Torques, false) => {
-            run::<L, MATERIALS, true, false>(list, out, bound);
+            run::<L, MATERIALS, true, false, PERIODIC>(list, out, bound);
         }
-        (Needs::Torques, true) => run::<L, MATERIALS, true, true>(list, out, bound),
+        (Needs::Torques, true) => run::<L, MATERIALS, true, true, PERIODIC>(list, out, bound),
     }
 }
 
-fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>(
+fn run<
+    L: ContactLaw,
+    const MATERIALS: bool,
+    const MOTION: bool,
+    const TORQUES: bool,
+    const PERIODIC: bool,
+>(
     list: &mut Neighbours,
     out: &mut Forces,
     bound: &Bound<'_, L>,
@@ -74,6 +84,7 @@ fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: 
         length: L::History::LENGTH,
         bounds: &list.bounds,
         pairs: &list.pairs,
+        image: &list.image,
         touch: &mut list.touch,
         history: &mut list.history,
         wall_pairs: &list.wall_pairs,
@@ -84,10 +95,11 @@ fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: 
         sent: &mut out.sent,
         wall_sums: &mut out.wall_sums,
         losses: &mut out.losses,
+        cell_sums: &mut out.cell_sums,
     };
     let arch = pulp::Arch::new();
     let work = |span: PairSpan<'_>| {
-        arch.dispatch(Evaluate::<L, MATERIALS, MOTION, TORQUES> { span, bound });
+        arch.dispatch(Evaluate::<L, MATERIALS, MOTION, TORQUES, PERIODIC> { span, bound });
     };
     for_blocks(span, &work, &|(), ()| ());
 
@@ -106,6 +118,7 @@ struct PairSpan<'a> {
     length: usize,
     bounds: &'a [Bounds],
     pairs: &'a [[u32; 2]],
+    image: &'a [u8],
     touch: &'a mut [bool],
     history: &'a mut [f64],
     wall_pairs: &'a [WallPair],
@@ -116,6 +129,7 @@ struct PairSpan<'a> {
     sent: &'a mut [Wrench],
     wall_sums: &'a mut [PerWall<WallSum>],
     losses: &'a mut [Losses],
+    cell_sums: &'a mut [CellSum],
 }
 
 impl Span for PairSpan<'_> {
@@ -129,6 +143,7 @@ impl Span for PairSpan<'_> {
         let walls = to.wall - from.wall;
         let particles = blocks * BLOCK;
         let pair = self.pairs.split_at(pairs);
+        let image = cut(self.image, pairs);
         let touch = self.touch.split_at_mut(pairs);
         let history = self.history.split_at_mut(pairs * self.length);
         let wall_pair = self.wall_pairs.split_at(walls);
@@ -139,12 +154,14 @@ impl Span for PairSpan<'_> {
         let sent = self.sent.split_at_mut(to.sent - from.sent);
         let sums = self.wall_sums.split_at_mut(blocks);
         let losses = cut_mut(self.losses, blocks);
+        let cell_sums = cut_mut(self.cell_sums, blocks);
         (
             PairSpan {
                 first: self.first,
                 length: self.length,
                 bounds: &self.bounds[..=blocks],
                 pairs: pair.0,
+                image: image.0,
                 touch: touch.0,
                 history: history.0,
                 wall_pairs: wall_pair.0,
@@ -155,12 +172,14 @@ impl Span for PairSpan<'_> {
                 sent: sent.0,
                 wall_sums: sums.0,
                 losses: losses.0,
+                cell_sums: cell_sums.0,
             },
             PairSpan {
                 first: self.first + particles,
                 length: self.length,
                 bounds: &self.bounds[blocks..],
                 pairs: pair.1,
+                image: image.1,
                 touch: touch.1,
                 history: history.1,
                 wall_pairs: wall_pair.1,
@@ -171,6 +190,7 @@ impl Span for PairSpan<'_> {
                 sent: sent.1,
                 wall_sums: sums.1,
                 losses: losses.1,
+                cell_sums: cell_sums.1,
             },
         )
     }
@@ -178,25 +198,43 @@ impl Span for PairSpan<'_> {
 
 /// The evaluation of a run of blocks, compiled once more for processors with
 /// wider vector units. Lanes do not mix, so the bits are the same.
-struct Evaluate<'a, L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool> {
+struct Evaluate<
+    'a,
+    L: ContactLaw,
+    const MATERIALS: bool,
+    const MOTION: bool,
+    const TORQUES: bool,
+    const PERIODIC: bool,
+> {
     span: PairSpan<'a>,
     bound: &'a Bound<'a, L>,
 }
 
-impl<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>
-    pulp::NullaryFnOnce for Evaluate<'_, L, MATERIALS, MOTION, TORQUES>
+impl<
+    L: ContactLaw,
+    const MATERIALS: bool,
+    const MOTION: bool,
+    const TORQUES: bool,
+    const PERIODIC: bool,
+> pulp::NullaryFnOnce for Evaluate<'_, L, MATERIALS, MOTION, TORQUES, PERIODIC>
 {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.span.evaluate::<L, MATERIALS, MOTION, TORQUES>(self.bound);
+        self.span.evaluate::<L, MATERIALS, MOTION, TORQUES, PERIODIC>(self.bound);
     }
 }
 
 impl PairSpan<'_> {
     #[inline(always)]
-    fn evaluate<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: bool>(
+    fn evaluate<
+        L: ContactLaw,
+        const MATERIALS: bool,
+        const MOTION: bool,
+        const TORQUES: bool,
+        const PERIODIC: bool,
+    >(
         self,
         bound: &Bound<'_, L>,
     ) {
@@ -217,22 +255,30 @@ impl PairSpan<'_> {
             let inner = from.inner - origin.inner..from.outer - origin.inner;
             let outer = from.outer - origin.inner..to.inner - origin.inner;
             let sent = &mut self.sent[from.sent - origin.sent..to.sent - origin.sent];
+            if let (true, Some(sum)) = (PERIODIC, self.cell_sums.get_mut(block)) {
+                *sum = CellSum::default();
+            }
             for (range, sent) in [(inner, None), (outer, Some(sent))] {
                 SpherePairRange {
                     pairs: &self.pairs[range.clone()],
+                    image: if PERIODIC { &self.image[range.clone()] } else { &[] },
                     touch: &mut self.touch[range.clone()],
                     history: &mut self.history[range.start * length..range.end * length],
                     sent,
                     first,
                     force: &mut *force,
                     torque: &mut *torque,
+                    cell_sum: if PERIODIC { self.cell_sums.get_mut(block) } else { None },
                 }
-                .evaluate::<L, MATERIALS, MOTION, TORQUES>(
+                .evaluate::<L, MATERIALS, MOTION, TORQUES, PERIODIC>(
                     law,
                     table,
                     (&mut pair_batch, &mut scratch),
                     input,
                 );
+            }
+            if PERIODIC {
+                continue;
             }
             let range = from.wall - origin.wall..to.wall - origin.wall;
             let mut walls = WallPairRange {

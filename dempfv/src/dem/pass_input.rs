@@ -1,5 +1,6 @@
 //! What the contact pass reads.
 
+use super::cell_pass::CellPass;
 use super::walls::Wall;
 use crate::{PerWall, Vec3};
 
@@ -13,6 +14,8 @@ pub(super) struct Input<'a> {
     /// Index of each sphere's material; empty where all are of the first.
     pub material: &'a [u16],
     pub walls: &'a PerWall<Wall>,
+    /// The periodic cell, where there is one and no walls.
+    pub cell: Option<&'a CellPass>,
     /// Length of the step that the histories have yet to follow (s), or 0.
     pub dt: f64,
     /// Whether spheres rotate.

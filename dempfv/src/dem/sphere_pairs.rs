@@ -1,6 +1,7 @@
 //! The pairs of spheres of one block: those within reach are gathered into
 //! batches, evaluated, and their forces handed to the spheres.
 
+use super::cell_pass::CellSum;
 use super::law::vector::dot;
 use super::law::{
     Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, TwoSpheres, get, put,
@@ -19,6 +20,8 @@ type PairBatch<L> = Batch<SpherePairs, <L as ContactLaw>::History>;
 /// A range of pairs of one block, and what they do to its spheres.
 pub(super) struct SpherePairRange<'a> {
     pub pairs: &'a [[u32; 2]],
+    /// Which copy of the second sphere is meant; empty without a periodic cell.
+    pub image: &'a [u8],
     pub touch: &'a mut [bool],
     pub history: &'a mut [f64],
     /// Where the forces on second spheres go if these belong to other blocks.
@@ -28,6 +31,8 @@ pub(super) struct SpherePairRange<'a> {
     /// The block's forces and torques.
     pub force: &'a mut [Vec3],
     pub torque: &'a mut [Vec3],
+    /// The block's sums, in a periodic cell.
+    pub cell_sum: Option<&'a mut CellSum>,
 }
 
 impl SpherePairRange<'_> {
@@ -38,6 +43,7 @@ impl SpherePairRange<'_> {
         const MATERIALS: bool,
         const MOTION: bool,
         const TORQUES: bool,
+        const PERIODIC: bool,
     >(
         &mut self,
         law: &L,
@@ -48,18 +54,25 @@ impl SpherePairRange<'_> {
         let (cut_off, only) = (law.cut_off(), table.spheres(0, 0));
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, (law, table), input, cut_off);
+            next = self.collect::<L, PERIODIC>(batch, next, (law, table), input, cut_off);
             if MOTION {
-                self.load_motion::<L, TORQUES>(batch, input);
+                self.load_motion::<L, TORQUES, PERIODIC>(batch, input);
             }
             for l in batch.lanes() {
                 batch.geometry.measure(l);
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
-                let of = |l: usize, k: usize| material[bodies[l][k] as usize];
+                let of = |l: usize, k: usize| match material.get(bodies[l][k] as usize) {
+                    // A cell has no kernels of their own for spheres of one material.
+                    None if PERIODIC => 0,
+                    _ => material[bodies[l][k] as usize],
+                };
                 let parameters = |l: usize| table.spheres(of(l, 0), of(l, 1));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
+                if let (true, Some(sum)) = (PERIODIC, &mut self.cell_sum) {
+                    sum.add_batch(law, batch, parameters);
+                }
             } else {
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
             }
@@ -70,7 +83,7 @@ impl SpherePairRange<'_> {
     /// Fills the batch with the next pairs within reach from `next` on;
     /// returns the first pair not looked at.
     #[inline(always)]
-    fn collect<L: ContactLaw>(
+    fn collect<L: ContactLaw, const PERIODIC: bool>(
         &mut self,
         batch: &mut PairBatch<L>,
         mut next: usize,
@@ -84,7 +97,10 @@ impl SpherePairRange<'_> {
         while next < end && count < CONTACTS_PER_BATCH {
             let [i, j] = self.pairs[next];
             let (a, b) = (centre[i as usize], centre[j as usize]);
-            let apart = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            let mut apart = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            if let (true, Some(cell)) = (PERIODIC, input.cell) {
+                apart = cell.image_apart(self.image[next], apart);
+            }
             let distance2 = dot(apart, apart);
             let reach = (a[3] + b[3]) + cut_off;
             let touch = distance2 < reach * reach;
@@ -138,7 +154,7 @@ impl SpherePairRange<'_> {
     }
 
     #[inline(always)]
-    fn load_motion<L: ContactLaw, const TORQUES: bool>(
+    fn load_motion<L: ContactLaw, const TORQUES: bool, const PERIODIC: bool>(
         &self,
         batch: &mut PairBatch<L>,
         input: &Input<'_>,
@@ -148,7 +164,11 @@ impl SpherePairRange<'_> {
             let [i, j] = batch.bodies[l].map(|k| k as usize);
             let slot = batch.slot[l] as usize;
             L::History::load(&mut batch.history, l, &history[slot * L::History::LENGTH..]);
-            put(&mut batch.geometry.velocity, l, (velocity[j] - velocity[i]).into());
+            let mut relative = (velocity[j] - velocity[i]).into();
+            if let (true, Some(cell)) = (PERIODIC, input.cell) {
+                relative = cell.with_mean_field(relative, get(&batch.geometry.apart, l));
+            }
+            put(&mut batch.geometry.velocity, l, relative);
             if TORQUES {
                 put(&mut batch.geometry.spin[0], l, spin[i].into());
                 put(&mut batch.geometry.spin[1], l, spin[j].into());

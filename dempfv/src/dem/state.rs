@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell::PeriodicCell;
 use super::error::DemError;
 use super::ledger::Ledger;
 use super::material::{finite, positive};
 use super::particles::Particles;
 use super::walls::{Wall, box_of, check_box};
-use crate::{PerWall, WallId};
+use crate::{Aabb, PerWall, WallId};
 
 /// What contacts remember.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,8 +28,10 @@ pub struct DemState {
     pub law: String,
     /// The spheres.
     pub particles: Particles,
-    /// The walls.
+    /// The walls; in a periodic cell the planes of the box around it, which nothing touches.
     pub walls: PerWall<Wall>,
+    /// The periodic cell, where there is one.
+    pub cell: Option<PeriodicCell>,
     /// Histories of contacts between spheres.
     pub sphere_history: ContactHistory<[u32; 2]>,
     /// Histories of contacts of spheres with walls.
@@ -74,14 +77,25 @@ impl DemState {
         let box_ = box_of(&self.walls);
         check_box(&box_)?;
         self.walls.values().try_for_each(Wall::check)?;
+        self.cell.iter().try_for_each(PeriodicCell::check)?;
         self.particles.check()?;
-        self.particles.check_digits(&box_)?;
+        self.particles.check_digits(&self.reach(box_))?;
         self.ledger.iter().try_for_each(Ledger::check)?;
         if self.pending_dt != 0.0 {
             positive("pending_dt", self.pending_dt)?;
         }
         let histories = self.sphere_history.numbers.iter().chain(&self.wall_history.numbers);
         histories.copied().try_for_each(|number| finite("contact history", number))
+    }
+
+    /// The box, or with a periodic cell, around which spheres may lie anywhere, the box of both.
+    fn reach(&self, mut box_: Aabb) -> Aabb {
+        if self.cell.is_some() {
+            for x in &self.particles.position {
+                (box_.min, box_.max) = (box_.min.inf(x), box_.max.sup(x));
+            }
+        }
+        box_
     }
 
     /// Puts the spheres in spatial order and the histories of `length` numbers

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell::PeriodicCell;
+use super::cell_pass::{CellPass, CellSum};
 use super::compiled::{CompiledLaw, compile};
 use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
@@ -52,6 +54,11 @@ pub struct Dem {
     /// Place of each of the user's numbers in storage.
     pub(super) place: Vec<u32>,
     pub(super) walls: PerWall<Wall>,
+    /// The periodic cell; `None` between walls.
+    pub(super) cell: Option<PeriodicCell>,
+    /// Share of the cell's edges that each sphere is at least away from where it may not stray. It
+    /// spares looking at them.
+    pub(super) room_to_stray: f64,
     pub(super) options: DemOptions,
     pub(super) law: Box<dyn CompiledLaw>,
     pub(super) materials: Vec<Material>,
@@ -63,6 +70,7 @@ pub struct Dem {
     /// Centre and radius of each sphere, as the contact pass reads them.
     pub(super) centre: Vec<[f64; 4]>,
     pub(super) wall_sums: PerWall<WallSum>,
+    pub(super) cell_sum: CellSum,
     /// See [`Dem::set_wall_resistance`].
     pub(super) wall_resistance: WallResistance,
     /// Smallest radius (m) and softest material of the spheres, since the list was built.
@@ -109,12 +117,25 @@ impl Dem {
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
+        Dem::at_rest(law, particles, (box_, None), materials, wall_material, options)
+    }
+
+    /// Spheres that have no contacts yet.
+    pub(super) fn at_rest(
+        law: impl ContactLaw,
+        particles: Particles,
+        (box_, cell): (Aabb, Option<PeriodicCell>),
+        materials: &[Material],
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
         check_box(&box_)?;
         particles.check()?;
         let mut state = DemState {
             law: law.name().to_owned(),
             particles,
             walls: walls_of(&box_),
+            cell,
             sphere_history: ContactHistory::default(),
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
@@ -174,9 +195,13 @@ impl Dem {
         options.check()?;
         state.check()?;
         state.particles.check_materials(materials.len())?;
+        if state.cell.is_some() && options.gravity.is_some_and(|g| g != Vec3::zeros()) {
+            let remedy = "nothing holds the spheres up; leave it out";
+            return Err(DemError::InCell { what: "gravity", remedy });
+        }
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, pending_dt, ledger, .. } = state;
+        let DemState { particles, walls, cell, pending_dt, ledger, .. } = state;
         let centre = particles
             .position
             .iter()
@@ -192,6 +217,7 @@ impl Dem {
             place,
             forces: Forces::default(),
             wall_sums: PerWall::default(),
+            cell_sum: CellSum::default(),
             wall_resistance: PerWall::default(),
             smallest_radius: 0.0,
             softest: materials[0],
@@ -201,6 +227,8 @@ impl Dem {
             stiffness: vec![],
             particles,
             walls,
+            cell,
+            room_to_stray: 0.0,
             options,
             materials,
             wall_material,
@@ -214,6 +242,7 @@ impl Dem {
             dem.forces.losses = vec![Losses::default(); block_count(dem.particles.len())];
             dem.motion_work = vec![MotionWork::default(); block_count(dem.particles.len())];
         }
+        dem.keep_in_cell(0.0);
         dem.rebuild()?;
         Ok(dem)
     }
@@ -224,6 +253,7 @@ impl Dem {
             law: self.law.name().to_owned(),
             particles: self.particles.clone(),
             walls: self.walls,
+            cell: self.cell.clone(),
             sphere_history: self.list.sphere_history(),
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
@@ -249,12 +279,15 @@ impl Dem {
 
     fn rebuild(&mut self) -> Result<(), DemError> {
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
-        self.list.build(&self.particles, &self.walls, cut_off, skin)?;
+        let cell = self.cell.as_ref().map(PeriodicCell::cell);
+        self.list.build(&self.particles, (&self.walls, cell), cut_off, skin)?;
         self.look_at_sizes();
         let end = self.list.bounds.last().copied().unwrap_or_default();
         self.forces.sent.clear();
         self.forces.sent.resize(end.sent, [0.0; 6]);
         self.forces.wall_sums.resize(self.list.bounds.len() - 1, PerWall::default());
+        let in_cell = if self.cell.is_some() { self.forces.wall_sums.len() } else { 0 };
+        self.forces.cell_sums.resize(in_cell, CellSum::default());
         Ok(())
     }
 
@@ -266,15 +299,21 @@ impl Dem {
     /// [`DemError::LeftBox`] or [`DemError::Coincident`], found when the list
     /// is built.
     pub fn compute_contacts(&mut self) -> Result<(), DemError> {
-        if self.list.outdated(&self.centre, &self.walls) {
+        let outdated = match self.cell {
+            None => self.list.outdated(&self.centre, &self.walls),
+            Some(_) => self.list.outdated_in_cell(&self.centre),
+        };
+        if outdated {
             self.rebuild().map_err(|error| self.explained(error))?;
         }
+        let cell = self.cell.as_ref().map(CellPass::new);
         let input = Input {
             centre: &self.centre,
             velocity: &self.particles.velocity,
             spin: &self.particles.spin,
             material: &self.particles.material,
             walls: &self.walls,
+            cell: cell.as_ref(),
             dt: self.pending_dt,
             rotation: self.options.rotation,
             tracks_energy: self.ledger.is_some(),
@@ -289,6 +328,8 @@ impl Dem {
                 total.stiffness += part.stiffness;
             }
         }
+        self.cell_sum = CellSum::default();
+        self.forces.cell_sums.iter().for_each(|block| self.cell_sum.add(block));
         Ok(())
     }
 
@@ -317,7 +358,7 @@ impl Dem {
         let on_walls = fluid_wall_force.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         let wall_velocity = self.walls.map(|wall| wall.velocity);
-        self.move_walls(dt, fluid_wall_force)?;
+        self.move_cell(dt, fluid_wall_force)?;
         let turned = self.law.needs() == Needs::Torques || self.external.turns();
         let step = Step {
             dt,
@@ -337,6 +378,7 @@ impl Dem {
         self.book_work(dt, &wall_velocity);
         self.external.clear();
         self.list.moved(farthest);
+        self.keep_in_cell(farthest);
         self.pending_dt = dt;
         Ok(())
     }
@@ -422,6 +464,10 @@ impl Dem {
     /// a largest speed that is not positive.
     pub fn set_control(&mut self, wall: WallId, control: WallControl) -> Result<(), DemError> {
         control.check()?;
+        if self.cell.is_some() && control != WallControl::Fixed {
+            let remedy = "there are no walls; move the cell";
+            return Err(DemError::InCell { what: "a moving wall", remedy });
+        }
         self.walls[wall].set_control(control);
         Ok(())
     }

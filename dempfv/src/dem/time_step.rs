@@ -128,7 +128,10 @@ impl Dem {
         let spheres = p.velocity.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt();
         let walls = self.walls.values().map(|w| w.velocity.abs()).fold(0.0, f64::max);
         let smallest = p.radius.iter().copied().fold(f64::INFINITY, f64::min);
-        let steps = LOOK_SHARE * smallest / ((spheres + spheres.max(walls)) * dt);
+        // Across the largest pair the mean field of a cell brings them together at this speed.
+        let largest = p.radius.iter().copied().fold(0.0, f64::max);
+        let field = self.cell().map_or(0.0, |cell| cell.velocity_gradient().norm() * 2.0 * largest);
+        let steps = LOOK_SHARE * smallest / ((spheres + spheres.max(walls) + field) * dt);
         // As a cast has it, too many are the most and what is no number is none.
         (steps as u64).min(MOST_STEPS_BETWEEN_LOOKS)
     }

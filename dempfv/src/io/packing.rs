@@ -6,6 +6,9 @@
 //! 0.010 0.020 0.030 0.001
 //! ```
 //!
+//! A packing of a periodic cell has its three edges in the place of the box,
+//! `# cell ax ay az bx by bz cx cy cz`, and any copy of each sphere.
+//!
 //! A line holds `x y z r` in metres. The box is `xmin ymin zmin xmax ymax
 //! zmax`. Files that others write load as they are: YADE's `export.text`, `textExt` and
 //! `SpherePack.save`, Woo's sphere lists, tables with a line of column names (CSV), and dumps of
@@ -19,9 +22,11 @@ use super::number::number;
 use super::packing_layout::{LINE_FORM, Layout, is_header, words};
 use crate::input::InputError;
 use crate::io::error::Result;
-use crate::{Aabb, Vec3};
+use crate::{Aabb, Cell, Vec3};
 
 const BOX_FORM: &str = "the form is `# box xmin ymin zmin xmax ymax zmax` in metres";
+
+const CELL_FORM: &str = "the form is `# cell ax ay az bx by bz cx cy cz` in metres";
 
 /// Spheres are numbered in 32 bits, walls and one number for none behind them.
 const TOO_MANY: u64 = u32::MAX as u64 - 8;
@@ -37,6 +42,8 @@ pub struct Packing {
     pub line: Vec<usize>,
     /// The box that the file states, if it does.
     pub bounds: Option<Aabb>,
+    /// The periodic cell that the file states, if it does.
+    pub cell: Option<Cell>,
 }
 
 impl Packing {
@@ -108,6 +115,17 @@ impl Packing {
             return Err(InputError::new("a second, different box", "keep one `# box` line"));
         }
         self.bounds = Some(bounds);
+        Ok(())
+    }
+
+    fn add_cell(&mut self, numbers: [f64; 9]) -> Result<(), InputError> {
+        let [a, b, c] = [0, 3, 6].map(|k| Vec3::from_row_slice(&numbers[k..k + 3]));
+        let cell = Cell::new([a, b, c]);
+        let cell = cell.map_err(|error| InputError::new(error.to_string(), CELL_FORM))?;
+        if self.cell.is_some_and(|known| known != cell) {
+            return Err(InputError::new("a second, different cell", "keep one `# cell` line"));
+        }
+        self.cell = Some(cell);
         Ok(())
     }
 
@@ -248,6 +266,10 @@ impl Reader {
                 self.layout = words.next().and_then(Layout::of_format);
                 Ok(())
             }
+            // Other comments begin with the word, too.
+            Some("cell") if words.clone().next().is_some_and(|w| w.parse::<f64>().is_ok()) => {
+                self.packing.add_cell(numbers(words, CELL_FORM)?)
+            }
             Some(word) if is_box(word) => self.packing.add_box(numbers(words, BOX_FORM)?),
             _ => Ok(()),
         }
@@ -307,6 +329,25 @@ pub fn write(
 ) -> Result<()> {
     check(position, radius, bounds)?;
     atomic::write_with(path, |out| write_to(out, position, radius, bounds, comment))
+}
+
+/// Writes the packing of a periodic cell, with its edges as a comment that is read back to the same
+/// bits.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_in_cell(
+    path: &Path,
+    position: &[Vec3],
+    radius: &[f64],
+    cell: &Cell,
+    comment: &str,
+) -> Result<()> {
+    let edges = cell.edges().map(|e| format!("{:?} {:?} {:?}", e.x, e.y, e.z));
+    let lines: Vec<&str> = comment.lines().collect();
+    let edges = format!("cell {}", edges.join(" "));
+    let comment = [lines, vec![edges.as_str()]].concat().join("\n");
+    write(path, position, radius, None, &comment)
 }
 
 fn write_to(

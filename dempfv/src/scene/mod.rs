@@ -5,6 +5,7 @@
 //! keys, how they are read, checked and written, what must hold, and the names of its effects. A
 //! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
+mod cell;
 mod dem;
 mod difference;
 mod fluid;
@@ -26,7 +27,8 @@ mod time_function;
 mod walls;
 mod wrong;
 
-pub use crate::dem::WallControl;
+pub use crate::dem::{CellControl, CellControls, WallControl};
+pub use cell::CellShape;
 pub use dem::{Dem, TimeStep};
 pub(crate) use difference::stage_names;
 pub use difference::{Difference, differences};

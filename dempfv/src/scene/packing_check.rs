@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::cell::{CellShape, too_small};
 use super::wrong::Wrong;
 use crate::domain::{Aabb, Vec3, WallId};
 use crate::input::InputError;
@@ -21,12 +22,56 @@ const COINCIDENT: f64 = 1e-9;
 /// What is wrong, with file and line.
 pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb), InputError> {
     let packing = Packing::read(path)?;
+    if packing.cell.is_some() {
+        let what = "the packing is of a periodic cell: its spheres reach past the faces";
+        let remedy =
+            "run it in a scene with a table [cell], or take the line `# cell` out and give a box";
+        return Err(InputError::new(what, remedy).in_file(path));
+    }
     let bounds = bounds
         .or_else(|| packing.bounds_or_tight())
         .ok_or_else(|| count_fault(0, 0).in_file(path))?;
     let lines = Some(packing.line.as_slice());
     validate_packing(&packing.position, &packing.radius, lines, &bounds, Some(path))?;
     Ok((packing, bounds))
+}
+
+/// Reads a packing file for a periodic cell: that of the scene, else the file's own, which is the
+/// packing's then. Returns the box around the cell with it.
+///
+/// # Errors
+/// What is wrong, with file and line.
+pub(super) fn load_packing_in_cell(
+    path: &Path,
+    shape: CellShape,
+) -> Result<(Packing, Aabb), InputError> {
+    let mut packing = Packing::read(path)?;
+    let cell = match (shape, packing.cell) {
+        (CellShape::Edges(cell), _) | (CellShape::OfPacking, Some(cell)) => cell,
+        (CellShape::OfPacking, None) => {
+            let what = "[cell] gives no edges, and the packing has no line `# cell`";
+            let remedy = "give `size` or `edges` in [cell]";
+            return Err(InputError::new(what, remedy).in_file(path));
+        }
+    };
+    packing.cell = Some(cell);
+    let largest = packing.radius.iter().copied().fold(0.0, f64::max);
+    let mean = packing.radius.iter().sum::<f64>() / packing.len() as f64;
+    if let Some(Wrong { problem, remedy }) = too_small(&cell, largest, mean) {
+        return Err(InputError::new(format!("the cell {problem}"), remedy).in_file(path));
+    }
+    let inside: Vec<Vec3> = packing.position.iter().map(|x| cell.wrap(x).0).collect();
+    match coincident(&inside, &packing.radius) {
+        None => Ok((packing, cell.bounds())),
+        Some((i, j)) => {
+            let what = format!("sphere {j} is in the same place as sphere {i}, or as a copy of it");
+            let error = InputError::new(what, "remove one of the two").in_file(path);
+            Err(match packing.line.get(j) {
+                Some(&line) => error.at_line(line),
+                None => error,
+            })
+        }
+    }
 }
 
 /// Checks the spheres of a packing: at least one, finite positions, positive radii, inside

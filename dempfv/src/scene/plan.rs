@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::cell::{CellShape, PERIODIC};
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
 use super::output::{self, Output};
-use super::packing_check::{box_wrong, load_packing};
+use super::packing_check::{box_wrong, load_packing, load_packing_in_cell};
 use super::particles::{ParticleSource, Particles};
 use super::schema::Schema;
+use super::sizes::Cloud;
 use super::stage::{self, Stage, StageKind};
 use super::walls::Walls;
 use super::wrong::Wrong;
@@ -22,6 +24,7 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
     "title",
     "seed",
     "box",
+    "cell",
     "particles",
     "walls",
     "dem",
@@ -62,8 +65,10 @@ pub struct Plan {
     /// Seed of every random draw, below 2⁶³. Default 1.
     pub seed: u64,
     /// The box (m). `None`: the packing file's own, else the tight box of its spheres.
-    /// Always `Some` when the particles are a cloud. Default: 1 m along each axis.
+    /// Always `Some` when the particles are a cloud without a cell. Default: 1 m along each axis.
     pub bounds: Option<Aabb>,
+    /// The periodic cell in the place of the box and its walls. Default: none.
+    pub cell: Option<CellShape>,
     /// The spheres and their material.
     pub particles: Particles,
     /// The six walls' material.
@@ -86,6 +91,7 @@ impl Default for Plan {
             file: None,
             seed: 1,
             bounds: Some(Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) }),
+            cell: None,
             particles: Particles::default(),
             walls: Walls::default(),
             dem: None,
@@ -107,8 +113,8 @@ pub(super) struct Fault {
 pub(super) enum Place {
     /// At this stage.
     Stage(usize),
-    /// At `[fluid]`.
-    Fluid,
+    /// At the table of this name.
+    Table(&'static str),
 }
 
 impl Plan {
@@ -125,7 +131,7 @@ impl Plan {
         }
         self.particles.check()?;
         Keys::Check(self.particles.schema())
-            .rule("cloud", self.particles.wrong_in(self.bounds.as_ref()))?;
+            .rule("cloud", self.particles.wrong_in(self.room().as_ref()))?;
         self.walls.check()?;
         self.dem.iter().try_for_each(Keyed::check)?;
         self.fluid.iter().try_for_each(Keyed::check)?;
@@ -141,9 +147,12 @@ impl Plan {
 
     /// Checks the parts against each other.
     pub(super) fn rules(&self) -> Result<(), Fault> {
+        self.rules_of_cell()?;
         for (i, stage) in self.stages.iter().enumerate() {
             let earlier = &self.stages[..i];
-            let wrong = stage.wrong_in(earlier, self.dem.as_ref(), self.fluid.as_ref());
+            let wrong = stage
+                .wrong_around(self.cell.is_some())
+                .or_else(|| stage.wrong_in(earlier, self.dem.as_ref(), self.fluid.as_ref()));
             if let Some(Wrong { problem, remedy }) = wrong {
                 let what = format!("stage \"{}\" {problem}", stage.name);
                 return Err(Fault { place: Place::Stage(i), what, remedy });
@@ -155,11 +164,67 @@ impl Plan {
             coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
         });
         match wrong {
-            Some(Wrong { problem, remedy }) => {
-                Err(Fault { place: Place::Fluid, what: format!("[fluid] {problem}"), remedy })
-            }
+            Some(Wrong { problem, remedy }) => Err(Fault {
+                place: Place::Table("fluid"),
+                what: format!("[fluid] {problem}"),
+                remedy,
+            }),
             None => Ok(()),
         }
+    }
+
+    /// What a periodic cell leaves no room for.
+    fn rules_of_cell(&self) -> Result<(), Fault> {
+        let Some(cell) = self.cell else { return Ok(()) };
+        let gravity = self.dem.as_ref().is_some_and(|dem| dem.options.gravity.is_some());
+        // As a scene has them that says nothing of walls, and as code has them.
+        let unsaid = [Walls::as_stiff_as(self.particles.material.young), Walls::default()];
+        for (given, table, what, remedy) in [
+            (
+                self.bounds.is_some(),
+                "box",
+                "[box] stands beside [cell]",
+                "keep one: a cell has no walls",
+            ),
+            (
+                !unsaid.contains(&self.walls),
+                "walls",
+                "[walls] stands beside [cell]",
+                "leave it out: a cell has no walls",
+            ),
+            (
+                self.fluid.is_some(),
+                "fluid",
+                "[fluid] stands beside [cell]: there is no flow across its faces yet",
+                "leave one of the two out",
+            ),
+            (
+                gravity,
+                "dem",
+                "`gravity` in [dem] stands beside [cell]",
+                "leave it out: nothing holds the spheres up in a cell",
+            ),
+        ] {
+            if given {
+                let (what, remedy) = (what.to_owned(), remedy.to_owned());
+                return Err(Fault { place: Place::Table(table), what, remedy });
+            }
+        }
+        if let ParticleSource::Cloud(Cloud { sizes, .. }) = &self.particles.source {
+            // Of a cloud whose radii are not known one by one.
+            let mean = 0.5 * (sizes.smallest() + sizes.largest());
+            if let Some(Wrong { problem, remedy }) = cell.wrong_with(sizes.largest(), mean) {
+                let what = format!("[cell] {problem}");
+                return Err(Fault { place: Place::Table("cell"), what, remedy });
+            }
+        }
+        Ok(())
+    }
+
+    /// A box of the volume that the spheres have, as far as the scene says it: the box, or one
+    /// like the periodic cell.
+    pub fn room(&self) -> Option<Aabb> {
+        self.bounds.or(self.cell.and_then(|cell| cell.room()))
     }
 
     /// The mechanics of a stage: `[dem]`, with what the stage says otherwise. `None` where
@@ -170,14 +235,17 @@ impl Plan {
     }
 
     /// Reads and checks the packing file of the scene, with the box that holds it: the
-    /// scene's, else the file's own, else the tight one. `None` when the spheres are a
-    /// cloud.
+    /// scene's, else the file's own, else the tight one; in a periodic cell, which is then the
+    /// packing's, the box around it. `None` when the spheres are a cloud.
     ///
     /// # Errors
     /// As [`load_packing`].
     pub fn packing(&self) -> Result<Option<(Packing, Aabb)>, InputError> {
         match &self.particles.source {
             ParticleSource::Packing(path) => {
+                if let Some(shape) = self.cell {
+                    return load_packing_in_cell(path, shape).map(Some);
+                }
                 let (packing, bounds) = load_packing(path, self.bounds)?;
                 self.check_probes(&bounds)?;
                 Ok(Some((packing, bounds)))
@@ -212,6 +280,7 @@ impl Plan {
         effects.extend(self.particles.effects(contacts));
         effects.extend(self.walls.effects(contacts && self.particles.has_friction()));
         effects.extend(Dem::effects(&moving));
+        effects.push((PERIODIC, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
         effects.extend(Fluid::effects(flow, coupled));
         effects

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
+use super::cell::{self, CellShape};
 use super::dem::{self, Dem};
 use super::fluid::{self, Fluid};
 use super::keys::{Keyed, Keys};
@@ -15,7 +16,7 @@ use super::plan::{self, Place, Plan};
 use super::region;
 use super::schema::Schema;
 use super::sizes;
-use super::stage::{Before, Stage, compact, consolidate, cycle, permeability, run};
+use super::stage::{Before, Stage, cell_controls, compact, consolidate, cycle, permeability, run};
 use super::syntax;
 use super::table::{Source, Table, Value};
 use super::time_function;
@@ -27,9 +28,10 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 20] = [
+static SCHEMAS: [&Schema; 23] = [
     &plan::SCHEMA,
     &plan::BOX,
+    &cell::SCHEMA,
     &particles::SCHEMA,
     &sizes::SCHEMA,
     &walls::SCHEMA,
@@ -48,6 +50,8 @@ static SCHEMAS: [&Schema; 20] = [
     &run::UNTIL,
     &run::WALLS,
     &run::CONTROL,
+    &cell_controls::GRADIENT,
+    &cell_controls::STRESS,
 ];
 
 /// Every key that a scene may hold, table by table: how messages name the table (`[dem]`,
@@ -101,7 +105,7 @@ impl Plan {
                 Place::Stage(i) => {
                     root.get("stage").and_then(|s| Some(s.items("").ok()?.get(i)?.at))
                 }
-                Place::Fluid => root.get("fluid").map(|v| v.at),
+                Place::Table(key) => root.get(key).map(|v| v.at),
             };
             source.error(at.unwrap_or(0), fault.what, fault.remedy)
         })?;
@@ -149,6 +153,7 @@ impl Plan {
             let corner = |x| Vector("m").write(x).unwrap_or_default();
             table("[box]", vec![("min", corner(min)), ("max", corner(max))]);
         }
+        self.cell.iter().for_each(|cell| table("[cell]", cell.write()));
         table("[particles]", self.particles.write());
         table("[walls]", self.walls.write());
         self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
@@ -172,8 +177,10 @@ fn read(root: &Table) -> Result<Plan> {
     let mut seed = 1;
     Keys::Read(root).take("seed", &Count(0), &mut seed)?;
     let bounds = root.get("box").map(|v| read_box(&v)).transpose()?;
+    let cell = root.get("cell").map(|v| CellShape::read(&v)).transpose()?;
+    let room = bounds.or(cell.and_then(|cell| cell.room()));
     let particles = root.need("particles", "[particles] with `packing` or `cloud`")?;
-    let particles = Particles::read_in(&particles, bounds.as_ref())?;
+    let particles = Particles::read_in(&particles, room.as_ref())?;
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
     let dem = read_or(root, "dem", Dem::default())?;
@@ -183,7 +190,7 @@ fn read(root: &Table) -> Result<Plan> {
         Some(value) => read_output(&value, bounds.as_ref(), fluid.is_some())?,
         None => Output::default(),
     };
-    Ok(Plan { title, file, seed, bounds, particles, walls, dem, fluid, stages, output })
+    Ok(Plan { title, file, seed, bounds, cell, particles, walls, dem, fluid, stages, output })
 }
 
 /// A table, where it is there: its defaults, and what it says otherwise.

@@ -31,6 +31,11 @@ impl Schema {
         Schema { name, noun: "wall", keys: &WALLS_BY_NAME, is_root: false }
     }
 
+    /// A table whose keys are components of a tensor.
+    pub const fn by_component(name: &'static str, keys: &'static [&'static str]) -> Schema {
+        Schema { name, noun: "component", keys, is_root: false }
+    }
+
     /// Whether this is the scene itself.
     pub fn is_root(&self) -> bool {
         self.is_root

@@ -70,7 +70,7 @@ impl Specimen {
     pub fn of_cloud(plan: &Plan) -> Option<Specimen> {
         let ParticleSource::Cloud(cloud) = &plan.particles.source else { return None };
         let compacted = plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_)));
-        let growth = match &plan.bounds {
+        let growth = match &plan.room() {
             Some(bounds) if compacted => {
                 let solid = f64::from(cloud.count) * cloud.sizes.mean_volume();
                 ((1.0 - COMPACTED) * bounds.volume() / solid).cbrt()

@@ -35,8 +35,8 @@ pub use crate::stage_error::StageError;
 pub use advice::{Advice, Verdict};
 pub use estimate::{Estimate, Specimen, UnstableStage};
 pub use outcome::{
-    Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
-    StageOutcome, StressPath, StressPathSample,
+    CellState, Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome,
+    PermeabilityTest, Profile, StageOutcome, StressPath, StressPathSample,
 };
 pub use restart::{Change, Effect, Restart};
 pub use run::{Simulation, SimulationState};

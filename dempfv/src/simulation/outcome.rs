@@ -36,11 +36,11 @@ pub enum Outcome {
 /// A packing that grew to a stress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compaction {
-    /// Mean stress on the six walls (Pa).
+    /// Mean stress on the six walls, or in the periodic cell (Pa).
     pub stress_pa: f64,
     /// Mean resultant force over mean contact force (1).
     pub unbalanced_force: f64,
-    /// Porosity of the box (1).
+    /// Porosity of the box or the cell (1).
     pub porosity: f64,
     /// Contacts per sphere, walls included (1).
     pub coordination_number: f64,
@@ -149,6 +149,8 @@ pub struct StressPath {
     /// Logarithmic strain of the box since the stage's start, along x, y, z
     /// (1, compression positive).
     pub strain: [f64; 3],
+    /// The periodic cell at the end; `None` between walls.
+    pub cell: Option<Box<CellState>>,
     /// Stress on each wall at the end, contacts and fluid (Pa).
     pub wall_stress_pa: [f64; 6],
     /// Unbalanced force at the end (1).
@@ -164,10 +166,23 @@ pub struct StressPathSample {
     pub time_s: f64,
     /// Logarithmic strain since the stage's start along x, y, z (1).
     pub strain: [f64; 3],
-    /// Mean stress of the two walls of each axis, contacts and fluid (Pa).
+    /// Mean stress of the two walls of each axis, contacts and fluid, or in the cell (Pa).
     pub stress_pa: [f64; 3],
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
     pub mean_pressure_pa: f64,
+    /// The periodic cell; `None` between walls.
+    pub cell: Option<CellState>,
+}
+
+/// A periodic cell at a moment of a run stage; tensors by rows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellState {
+    /// ∫ L dt since the stage's start (1), positive in extension.
+    pub strain: [[f64; 3]; 3],
+    /// Stress by contacts and motion (Pa), positive in compression.
+    pub stress_pa: [[f64; 3]; 3],
+    /// Porosity (1).
+    pub porosity: f64,
 }
 
 impl Outcome {

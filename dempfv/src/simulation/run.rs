@@ -89,9 +89,9 @@ impl Simulation {
     /// spheres find no room.
     pub fn new(plan: Plan) -> Result<Simulation> {
         plan.validate()?;
-        let packing = setup::initial_packing(&plan)?;
-        let origin = Origin::new(&plan, &packing.0, &packing.1, packing.2);
-        let coupled = setup::coupled(&plan, setup::mechanics(&plan, packing)?)?;
+        let specimen = setup::specimen(&plan)?;
+        let origin = Origin::new(&plan, &specimen.position, &specimen.radius, specimen.bounds);
+        let coupled = setup::coupled(&plan, setup::mechanics(&plan, specimen)?)?;
         Ok(Simulation {
             plan,
             origin,

@@ -1,25 +1,41 @@
 //! From a plan to the things that move.
 
 use crate::coupling::Coupled;
+use crate::dem::law::Linear;
 use crate::dem::{self, CloudScale, CloudSpec, Dem, DemOptions, SizeDistribution};
-use crate::scene::{ParticleSource, Plan, Sizes};
-use crate::{Aabb, InputError, Result, Vec3};
+use crate::scene::{CellShape, ParticleSource, Plan, Sizes};
+use crate::{Aabb, Cell, InputError, Result, Vec3};
+
+/// Spheres at their first places.
+pub(super) struct Specimen {
+    pub position: Vec<Vec3>,
+    pub radius: Vec<f64>,
+    /// The box (m); around the cell, where there is one.
+    pub bounds: Aabb,
+    pub cell: Option<Cell>,
+}
 
 /// The spheres that a plan starts from, and their box (m): read from its
-/// packing file, or drawn with its seed.
+/// packing file, or drawn with its seed. Of a periodic cell, the box around it.
 ///
 /// # Errors
 /// What [`Plan::validate`] finds; when the file is missing or wrong, a sphere
 /// lies outside the box, two coincide, or the cloud does not fit.
 pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
+    let Specimen { position, radius, bounds, .. } = specimen(plan)?;
+    Ok((position, radius, bounds))
+}
+
+/// The same, with the periodic cell.
+pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
     plan.validate()?;
     if let Some((packing, bounds)) = plan.packing()? {
-        return Ok((packing.position, packing.radius, bounds));
+        let cell = packing.cell.filter(|_| plan.cell.is_some());
+        return Ok(Specimen { position: packing.position, radius: packing.radius, bounds, cell });
     }
-    let (ParticleSource::Cloud(cloud), Some(bounds)) = (&plan.particles.source, plan.bounds) else {
-        return Err(
-            InputError::new("a cloud needs a box", "add a table [box] with min and max").into()
-        );
+    let needs_box = || InputError::new("a cloud needs a box", "add [box] with min and max");
+    let ParticleSource::Cloud(cloud) = &plan.particles.source else {
+        return Err(needs_box().into());
     };
     let (sizes, scale) = match &cloud.sizes {
         Sizes::Uniform { mean, spread } => {
@@ -30,20 +46,27 @@ pub fn initial_packing(plan: &Plan) -> Result<(Vec<Vec3>, Vec<f64>, Aabb)> {
             (SizeDistribution::List(list), CloudScale::AsListed)
         }
     };
-    let spec =
-        CloudSpec { box_: bounds, count: cloud.count as usize, sizes, scale, seed: plan.seed };
+    let count = cloud.count as usize;
+    if let Some(CellShape::Edges(cell)) = plan.cell {
+        let spheres = dem::random_cloud_in_cell(&cell, count, &sizes, scale, plan.seed)?;
+        let (position, radius) = spheres.into_iter().unzip();
+        return Ok(Specimen { position, radius, bounds: cell.bounds(), cell: Some(cell) });
+    }
+    let bounds = plan.bounds.ok_or_else(needs_box)?;
+    let spec = CloudSpec { box_: bounds, count, sizes, scale, seed: plan.seed };
     let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();
-    Ok((position, radius, bounds))
+    Ok(Specimen { position, radius, bounds, cell: None })
 }
 
 /// The mechanics of a plan whose spheres are at rest at their first places.
-pub(super) fn mechanics(
-    plan: &Plan,
-    (position, radius, bounds): (Vec<Vec3>, Vec<f64>, Aabb),
-) -> Result<Dem> {
+pub(super) fn mechanics(plan: &Plan, specimen: Specimen) -> Result<Dem> {
+    let Specimen { position, radius, bounds, cell } = specimen;
     let material = plan.particles.material;
     let particles = dem::Particles::new(position, radius, material.density);
-    Ok(Dem::new(particles, bounds, material, plan.walls.material, options(plan))?)
+    Ok(match cell {
+        None => Dem::new(particles, bounds, material, plan.walls.material, options(plan))?,
+        Some(cell) => Dem::in_cell(Linear, particles, cell, &[material], options(plan))?,
+    })
 }
 
 pub(super) fn options(plan: &Plan) -> DemOptions {

@@ -47,7 +47,7 @@ impl Stability {
         plan.validate()?;
         let stage = plan.stages.iter().find(|s| s.kind.is_coupled());
         let (Some(fluid), Some(stage)) = (&plan.fluid, stage) else { return Ok(None) };
-        let mut coupled = Coupled::new(setup::mechanics(plan, setup::initial_packing(plan)?)?);
+        let mut coupled = Coupled::new(setup::mechanics(plan, setup::specimen(plan)?)?);
         if let Some(mechanics) = plan.mechanics(stage) {
             coupled.controls().set_damping(mechanics.options.damping)?;
         }

@@ -4,6 +4,7 @@
 //!
 //! The tables are complete: `every_public_function_has_a_row` reads the sources.
 
+mod cell;
 mod coupling;
 mod dem;
 #[path = "../dem_support/mod.rs"]
@@ -82,6 +83,11 @@ fn the_mechanics_refuse_what_cannot_be_right() {
 }
 
 #[test]
+fn cells_refuse_what_cannot_be_right() {
+    cell::table().check();
+}
+
+#[test]
 fn the_fluid_refuses_what_cannot_be_right() {
     pfv::table().check();
 }
@@ -111,6 +117,7 @@ fn plans_and_theory_refuse_what_cannot_be_right() {
 fn every_public_function_has_a_row() {
     let tables = [
         dem::table(),
+        cell::table(),
         pfv::table(),
         coupling::table(),
         solver::table(),

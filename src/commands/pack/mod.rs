@@ -95,7 +95,7 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
             return Ok(None);
         }
         let coupled = simulation.coupled();
-        progress.update(simulation.step(), None, || si(coupled.dem().mean_wall_stress(), "Pa"));
+        progress.update(simulation.step(), None, || si(coupled.dem().mean_stress(), "Pa"));
     }
     progress.end(simulation.step(), "");
     let Some(Outcome::Compact(compaction)) =
@@ -113,6 +113,10 @@ pub fn run(args: &Args, context: &Context) -> Result<Option<Report>, Error> {
 
 /// Refuses a packing that no command would read: one that is mostly overlap.
 fn check_overlaps(dem: &Dem, compaction: &Compaction) -> Result<(), InputError> {
+    if dem.cell().is_some() {
+        // The rule is how far spheres may reach through walls.
+        return Ok(());
+    }
     let particles = dem.storage();
     validate_packing(&particles.position, &particles.radius, None, &dem.box_(), None).map_err(|e| {
         let (stress, young) = (si(compaction.stress_pa, "Pa"), si(dem.material().young, "Pa"));
@@ -194,8 +198,12 @@ fn write(
     write_spheres(file, simulation.coupled().dem(), &comment)
 }
 
-/// The spheres of a packing in the user's order, with their box.
+/// The spheres of a packing in the user's order, with their box or their periodic cell.
 fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(), Error> {
+    if let Some(cell) = dem.cell() {
+        let (position, radius) = (dem.wrapped_positions(), dem.radii());
+        return Ok(packing::write_in_cell(file, &position, &radius, cell.cell(), comment)?);
+    }
     let particles = dem.storage();
     let mut order: Vec<usize> = (0..particles.len()).collect();
     order.sort_unstable_by_key(|&i| particles.id[i]);

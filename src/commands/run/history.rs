@@ -4,13 +4,15 @@ use dempfv::WallId;
 use dempfv::coupling::TimeStepBounds;
 use dempfv::dem::{EnergyBalance, WallControl};
 use dempfv::io::history::Value;
-use dempfv::scene::{Output, Plan, StageKind};
+use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities, then energy by cause where it is tracked, then one for each probe, then the lowest and the highest stress
-/// on each of the `servos` of any step since the row before.
-pub fn columns(output: &Output, servos: &[WallId]) -> Vec<String> {
+/// per-wall quantities, then energy by cause where it is tracked, then one for each probe, then the
+/// lowest and the highest stress on each of the `servos` of any step since the row before; at the
+/// end those of a periodic cell, where there is one.
+pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
+    let output = &plan.output;
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -56,6 +58,12 @@ pub fn columns(output: &Output, servos: &[WallId]) -> Vec<String> {
             .iter()
             .flat_map(|wall| ["lowest", "highest"].map(|end| format!("{end}_stress_{wall}_pa"))),
     );
+    if plan.cell.is_some() {
+        names.extend(["a", "b", "c"].map(|edge| format!("cell_{edge}_m")));
+        names.extend(["alpha", "beta", "gamma"].map(|angle| format!("cell_{angle}_deg")));
+        names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
+        names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
+    }
     names
 }
 
@@ -75,6 +83,9 @@ const ENERGY: [(&str, EnergyTerm); 10] = [
     ("wall_work_j", |b| b.wall_work),
     ("energy_residual_j", |b| b.residual),
 ];
+
+/// Components of a tensor, by rows.
+const COMPONENTS: [&str; 9] = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
 
 /// The walls that a servo holds in any stage of a plan.
 pub fn servo_walls(plan: &Plan) -> Vec<WallId> {
@@ -128,6 +139,13 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();
     values.extend(servos.iter().flat_map(|&wall| extremes[wall].map(Value::from)));
+    if let Some(cell) = seen.cell {
+        values.extend(cell.lengths.map(Value::from));
+        values.extend(cell.angles.map(|angle| Value::from(angle.to_degrees())));
+        for tensor in [cell.strain, cell.stress] {
+            values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
+        }
+    }
     for value in values {
         if let Value::Float(x) = value {
             // Sums of nothing are -0, which helps no reader.

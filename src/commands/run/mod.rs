@@ -298,7 +298,7 @@ impl Session {
 fn value_of_interest(simulation: &Simulation) -> String {
     let coupled = simulation.coupled();
     match simulation.stage().map(|s| &s.kind) {
-        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem().mean_wall_stress(), "Pa")),
+        Some(StageKind::Compact(_)) => format!("σ {}", si(coupled.dem().mean_stress(), "Pa")),
         Some(StageKind::Cycle(c)) => {
             format!(
                 "σ {}  unbalanced {:.1e}",

@@ -7,6 +7,7 @@ use dempfv::io::atomic;
 use dempfv::scene::{StageKind, Until};
 use dempfv::simulation::{
     Consolidation, ConsolidationSample, Outcome, Simulation, StageOutcome, StressPath,
+    StressPathSample,
 };
 use dempfv::theory::degree_of_consolidation;
 use dempfv_report::format::{si, three_digits};
@@ -94,14 +95,23 @@ fn motion(
         },
         _ => None,
     };
+    let shear = largest_shear(m).filter(|_| axis.is_none());
     let largest = m.samples.iter().flat_map(|s| s.stress_pa).fold(0.0, |a: f64, b| a.max(b.abs()));
     let (prefix, unit) = plot::axis::prefix(largest);
-    let x: Vec<f64> = match axis {
-        Some(axis) => m.samples.iter().map(|s| 100.0 * s.strain[axis.index()]).collect(),
-        None => m.samples.iter().map(|s| s.time_s).collect(),
+    let x: Vec<f64> = match (axis, shear) {
+        (Some(axis), _) => m.samples.iter().map(|s| 100.0 * s.strain[axis.index()]).collect(),
+        (None, Some([a, b])) => {
+            let strain = |s: &StressPathSample| s.cell.map_or(f64::NAN, |c| c.strain[a][b]);
+            m.samples.iter().map(|s| 100.0 * strain(s)).collect()
+        }
+        (None, None) => m.samples.iter().map(|s| s.time_s).collect(),
     };
-    let x_label =
-        axis.map_or("Time (s)".to_owned(), |a| format!("Strain along *{}* (%)", a.name()));
+    let names = ["x", "y", "z"];
+    let x_label = match (axis, shear) {
+        (Some(axis), _) => format!("Strain along *{}* (%)", axis.name()),
+        (None, Some([a, b])) => format!("Shear strain *γ*_{{{}{}}} (%)", names[a], names[b]),
+        (None, None) => "Time (s)".to_owned(),
+    };
     let mut curves: Vec<(String, Vec<f64>)> = (0..3)
         .map(|k| {
             (
@@ -110,6 +120,11 @@ fn motion(
             )
         })
         .collect();
+    if let Some([a, b]) = shear {
+        let stress = |s: &StressPathSample| s.cell.map_or(f64::NAN, |c| -c.stress_pa[a][b] / unit);
+        let name = format!("−*σ*_{{{}{}}}", names[a], names[b]);
+        curves.push((name, m.samples.iter().map(stress).collect()));
+    }
     if wet {
         curves.push((
             "mean pore pressure".to_owned(),
@@ -127,7 +142,8 @@ fn motion(
             mark: plot::Mark::Line { width: 1.6, dash: None },
         })
         .collect();
-    let y_label = format!("Stress on the walls ({prefix}Pa)");
+    let of = if m.cell.is_some() { "in the cell" } else { "on the walls" };
+    let y_label = format!("Stress {of} ({prefix}Pa)");
     let caption = if wet {
         "Compression positive; contacts and fluid together."
     } else {
@@ -136,6 +152,15 @@ fn motion(
     let title = format!("{}: {}", simulation.plan().title, stage.name);
     plot::xy(&title, caption, plot::Axis::linear(&x_label), plot::Axis::linear(&y_label), &series)
         .save(folder, &format!("stress-{}", in_file_name(simulation, stage)))
+}
+
+/// The shear strain of a periodic cell that is larger than every other of its strains.
+fn largest_shear(m: &StressPath) -> Option<[usize; 2]> {
+    let strain = m.cell.as_ref()?.strain;
+    let all = (0..9).map(|k| [k / 3, k % 3]);
+    let [a, b] =
+        all.max_by(|[a, b], [c, d]| strain[*a][*b].abs().total_cmp(&strain[*c][*d].abs()))?;
+    (a != b && strain[a][b] != 0.0).then_some([a, b])
 }
 
 /// A cut through the middle of the packing, coloured by pore pressure.

@@ -6,7 +6,7 @@ use dempfv::io::checkpoint;
 use dempfv::io::history::History;
 use dempfv::io::vtk::{self, Collection, SphereFrame};
 use dempfv::simulation::Simulation;
-use dempfv::{Result, Vec3, WallId};
+use dempfv::{Cell, Result, Vec3, WallId};
 
 use super::history;
 
@@ -40,6 +40,7 @@ struct Frames {
     every: u64,
     spheres: Collection,
     pores: Collection,
+    cell: Collection,
 }
 
 impl Recorder {
@@ -52,7 +53,7 @@ impl Recorder {
     ) -> Result<Recorder> {
         let output = &simulation.plan().output;
         let servos = history::servo_walls(simulation.plan());
-        let columns = history::columns(output, &servos);
+        let columns = history::columns(simulation.plan(), &servos);
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let path = folder.join("history.csv");
         let history = match from {
@@ -144,7 +145,8 @@ impl Frames {
                 None => Ok(Collection::new(&path)),
             }
         };
-        Ok(Frames { every, spheres: open("spheres.pvd")?, pores: open("pores.pvd")? })
+        let (spheres, pores) = (open("spheres.pvd")?, open("pores.pvd")?);
+        Ok(Frames { every, spheres, pores, cell: open("cell.pvd")? })
     }
 
     fn write(&mut self, folder: &Path, simulation: &Simulation) -> Result<()> {
@@ -158,9 +160,18 @@ impl Frames {
             }
             None => coupled.dem().storage_forces().to_vec(),
         };
+        if let Some(cell) = coupled.dem().cell() {
+            let name = format!("cell-{step:09}.vtu");
+            write_cell(&folder.join(&name), cell.cell())?;
+            self.cell.push(time, &name)?;
+        }
         let name = format!("spheres-{step:09}.vtu");
+        // Those copies that are in the cell, where there is one.
+        let inside = coupled.dem().cell().map(|cell| {
+            particles.position.iter().map(|x| cell.cell().wrap(x).0).collect::<Vec<Vec3>>()
+        });
         let frame = SphereFrame {
-            position: &particles.position,
+            position: inside.as_deref().unwrap_or(&particles.position),
             radius: &particles.radius,
             velocity: &particles.velocity,
             force: &force,
@@ -181,4 +192,16 @@ impl Frames {
         )?;
         Ok(self.pores.push(time, &name)?)
     }
+}
+
+/// The periodic cell as a hexahedron.
+fn write_cell(path: &Path, cell: &Cell) -> Result<()> {
+    let [a, b, c] = cell.edges();
+    let base = [Vec3::zeros(), a, a + b, b];
+    let points: Vec<Vec3> = base.into_iter().chain(base.map(|x| x + c)).collect();
+    let mut cells = vtk::Cells::default();
+    cells.push_hexahedron([0, 1, 2, 3, 4, 5, 6, 7]);
+    let angles = cell.angles().map(f64::to_degrees);
+    let data = [("volume", &[cell.volume()][..]), ("gamma", &[angles[2]][..])];
+    Ok(vtk::write_cells(path, &points, &cells, &data)?)
 }

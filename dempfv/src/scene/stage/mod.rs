@@ -1,5 +1,6 @@
 //! `[[stage]]`: what happens, in order; one file per kind.
 
+pub(super) mod cell_controls;
 pub(super) mod compact;
 pub(super) mod consolidate;
 pub(super) mod cycle;
@@ -95,6 +96,11 @@ impl StageKind {
             StageKind::Run(run) => run.has_servo(),
             StageKind::Compact(_) | StageKind::Permeability(_) => false,
         }
+    }
+
+    /// True when a component of the stress on a periodic cell is prescribed in this stage.
+    pub fn has_cell_stress(&self) -> bool {
+        matches!(self, StageKind::Run(run) if run.has_cell_stress())
     }
 
     fn schema(&self) -> &'static Schema {
@@ -246,6 +252,24 @@ impl Stage {
         }
     }
 
+    /// What is wrong with this stage between walls, or in a periodic cell.
+    pub(super) fn wrong_around(&self, is_cell: bool) -> Option<Wrong> {
+        let in_cell = |problem: &str, remedy: &str| Some(Wrong::new(problem, remedy));
+        match &self.kind {
+            StageKind::Run(run) if is_cell && run.moves_walls() => in_cell(
+                "moves walls, but [cell] leaves none",
+                "move the cell, by `velocity_gradient` or `cell_stress`",
+            ),
+            StageKind::Run(run) if !is_cell && run.moves_cell() => in_cell(
+                "moves a periodic cell, but there is none",
+                "add [cell] with its `size`, or move `walls`",
+            ),
+            StageKind::Run(_) | StageKind::Compact(_) => None,
+            _ if !is_cell => None,
+            _ => in_cell("needs walls, but [cell] leaves none", "give [box] in its place"),
+        }
+    }
+
     /// What is wrong with this stage alone.
     fn wrong(&self) -> Option<Wrong> {
         match &self.kind {
@@ -265,12 +289,13 @@ fn measured(axis: Axis, stages: &[Stage]) -> consolidate::Measured {
 }
 
 /// Effects of the stages.
-pub(super) fn effects(stages: &[Stage]) -> [(&'static str, bool); 3] {
+pub(super) fn effects(stages: &[Stage]) -> [(&'static str, bool); 4] {
     let any = |holds: fn(&StageKind) -> bool| stages.iter().any(|s| holds(&s.kind));
     [
         (compact::GROWTH, any(|k| matches!(k, StageKind::Compact(_)))),
         (run::MOVING_WALLS, any(StageKind::has_moving_wall)),
         ("servo walls", any(StageKind::has_servo)),
+        (crate::dem::CELL_SERVO_EFFECT.name, any(StageKind::has_cell_stress)),
     ]
 }
 

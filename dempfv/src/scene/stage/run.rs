@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::dem::WallControl;
+use super::cell_controls;
+use crate::dem::{CellControl, CellControls, WallControl};
 use crate::domain::{Axis, PerWall};
 use crate::input::InputError;
 use crate::scene::keys::{Keyed, Keys};
@@ -25,6 +26,8 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
         "until",
         "fluid",
         "walls",
+        "velocity_gradient",
+        "cell_stress",
         "friction_angle",
         "dt",
         "damping",
@@ -49,6 +52,8 @@ pub struct Run {
     pub fluid: bool,
     /// What each wall does. Default: fixed.
     pub walls: PerWall<WallControl>,
+    /// What moves the periodic cell, where there is one. Default: nothing.
+    pub cell: Box<CellControls>,
     /// Friction angle of the particles during this stage (rad). Default: the particles'.
     pub friction_angle: Option<f64>,
 }
@@ -75,7 +80,13 @@ pub enum Until {
 impl Default for Run {
     fn default() -> Run {
         let walls = PerWall::from_fn(|_| WallControl::Fixed);
-        Run { until: Until::Steps(1000), fluid: false, walls, friction_angle: None }
+        Run {
+            until: Until::Steps(1000),
+            fluid: false,
+            walls,
+            cell: Box::default(),
+            friction_angle: None,
+        }
     }
 }
 
@@ -99,14 +110,25 @@ impl Run {
 
     fn keys_with(&mut self, keys: &mut Keys, max_velocity: Option<f64>) -> Result<()> {
         keys.by_wall("walls", &WALLS, &Control { max_velocity }, &mut self.walls.0)?;
+        cell_controls::keys(keys, &mut self.cell)?;
         self.until.keys(keys)?;
         keys.take("fluid", &Flag, &mut self.fluid)?;
         keys.take("friction_angle", &Maybe(Angle), &mut self.friction_angle)
     }
 
-    /// A strain must be within reach of the walls.
+    /// A strain must be within reach of the walls or the cell.
     pub(super) fn wrong(&self) -> Option<Wrong> {
         let Until::Strain { axis, strain, .. } = self.until else { return None };
+        match self.cell[axis.index()][axis.index()] {
+            CellControl::Stress(_) => return None,
+            CellControl::Rate(rate) if rate != 0.0 => {
+                let problem = format!("waits for a strain of {strain} along {}", axis.name());
+                let remedy = "strain is positive in compression, a velocity gradient in extension";
+                let other = || Wrong::new(problem + ", but the cell goes the other way", remedy);
+                return (rate * strain > 0.0).then(other);
+            }
+            CellControl::Rate(_) => {}
+        }
         let mut shortening = 0.0;
         for (wall, control) in self.walls.iter().filter(|(w, _)| Axis::of(*w) == axis) {
             match control {
@@ -120,7 +142,7 @@ impl Run {
         if shortening == 0.0 {
             return Some(Wrong::new(
                 format!("waits for a strain along {axis}, but the walls there do not move"),
-                "give one of them a velocity or a stress",
+                "give one of them a velocity or a stress; a cell a velocity gradient or a stress",
             ));
         }
         (shortening * strain < 0.0).then(|| {
@@ -276,6 +298,21 @@ impl Kind<WallControl> for Control {
 }
 
 impl Run {
+    /// True when a wall does anything.
+    pub(super) fn moves_walls(&self) -> bool {
+        self.walls.values().any(|c| *c != WallControl::Fixed)
+    }
+
+    /// True when a periodic cell is told to do anything.
+    pub(super) fn moves_cell(&self) -> bool {
+        *self.cell != CellControls::default()
+    }
+
+    /// True when a component of the stress on a periodic cell is prescribed.
+    pub(super) fn has_cell_stress(&self) -> bool {
+        self.cell.iter().flatten().any(|c| matches!(c, CellControl::Stress(_)))
+    }
+
     /// True when a wall moves with a given velocity.
     pub(super) fn has_moving_wall(&self) -> bool {
         self.walls.values().any(|c| matches!(c, WallControl::Velocity(_)))

@@ -36,6 +36,7 @@ pub(super) fn verdict(plan: &Plan, difference: &Difference, under_way: &UnderWay
         ["seed"] => seed(plan),
         // Whichever of the two says it, the box itself has been compared.
         ["box", ..] => Verdict::NoEffect("the box is the same".to_owned()),
+        ["cell", ..] => Verdict::Refused("a restart goes on with the cell that it has".to_owned()),
         ["particles", ref keys @ ..] => particles(plan, keys),
         ["walls", "max_velocity"] => used("by stages that give none of their own"),
         ["walls", ..] => Verdict::Odd(MEASURED.to_owned()),

@@ -53,7 +53,17 @@ impl<'a> Changes<'a> {
 
     /// Whether the bounds of an automatic time step are those of something else.
     pub fn bear_on_time_step(&self) -> bool {
-        let stage = ["walls", "friction_angle", "damping", "fluid", "max_velocity", "from", "to"];
+        let stage = [
+            "walls",
+            "velocity_gradient",
+            "cell_stress",
+            "friction_angle",
+            "damping",
+            "fluid",
+            "max_velocity",
+            "from",
+            "to",
+        ];
         let mechanics = ["damping", "gravity", "rotation"];
         self.outdate_network()
             || self.has(&["particles"])

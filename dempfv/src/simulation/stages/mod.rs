@@ -20,7 +20,7 @@ use super::clock::Clock;
 use super::outcome::Consolidation;
 use super::setup;
 use crate::coupling::Coupled;
-use crate::dem::WallControl;
+use crate::dem::{CellControls, WallControl};
 use crate::scene::{Plan, Stage, StageKind};
 use crate::{Result, WallId};
 
@@ -42,6 +42,9 @@ impl Active {
         context.coupled.compute_contacts()?;
         for wall in WallId::ALL {
             context.coupled.controls().set_control(wall, WallControl::Fixed)?;
+        }
+        if context.coupled.dem().cell().is_some() {
+            context.coupled.controls().set_cell_controls(CellControls::default())?;
         }
         if !context.stage.kind.is_coupled() {
             context.coupled.drain();

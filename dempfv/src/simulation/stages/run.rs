@@ -5,18 +5,18 @@ use serde::{Deserialize, Serialize};
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
-use super::strain::logarithmic_strain;
+use super::strain::Reference;
 use crate::coupling::Coupled;
 use crate::scene::{self, Plan, Until};
 use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
-use crate::simulation::outcome::{Outcome, StressPath, StressPathSample};
-use crate::{Aabb, Result, WallId};
+use crate::simulation::outcome::{CellState, Outcome, StressPath, StressPathSample};
+use crate::{Axis, Result, Tensor, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     end: End,
-    reference: Aabb,
+    reference: Reference,
     steps: u64,
     start_time: f64,
     /// Share of the stage that is done, where the strain ends it.
@@ -56,13 +56,14 @@ impl State {
         for (wall, control) in plan.walls.iter() {
             context.coupled.controls().set_control(wall, *control)?;
         }
+        set_cell(context.coupled, plan)?;
         if plan.fluid {
             context.saturate()?;
         }
         let clock = &context.clock;
         let state = State {
             end: End::of(plan.until, (clock.step, clock.time)),
-            reference: context.coupled.dem().box_(),
+            reference: Reference::new(context.coupled),
             steps: 0,
             start_time: clock.time,
             strained: 0.0,
@@ -87,10 +88,13 @@ impl State {
         for (wall, control) in plan.walls.iter().filter(|(wall, _)| changes.of_wall(*wall)) {
             coupled.controls().set_control(wall, *control)?;
         }
+        if changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress") {
+            set_cell(coupled, plan)?;
+        }
         self.end = End::of(plan.until, start);
         let end = ["steps", "time", "until"].iter().any(|key| changes.in_stage(key));
         if end {
-            self.look_at_strain(&coupled.dem().box_());
+            self.look_at_strain(coupled);
             let share = (self.progress(clock) * SAMPLES) as u64;
             self.ahead = (self.samples.len() as u64).saturating_sub(share);
         }
@@ -102,16 +106,20 @@ impl State {
 
     fn sample(&self, context: &Context) -> StressPathSample {
         let coupled = &context.coupled;
-        let stress = |axis: usize| {
-            0.5 * (coupled.wall_stress(WallId::ALL[2 * axis])
-                + coupled.wall_stress(WallId::ALL[2 * axis + 1]))
-        };
         StressPathSample {
             time_s: context.clock.time - self.start_time,
-            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
-            stress_pa: [0, 1, 2].map(stress),
+            strain: self.reference.strain(coupled),
+            stress_pa: [Axis::X, Axis::Y, Axis::Z].map(|axis| coupled.axis_stress(axis)),
             mean_pressure_pa: coupled.mean_pressure(),
+            cell: self.cell(coupled),
         }
+    }
+
+    fn cell(&self, coupled: &Coupled) -> Option<CellState> {
+        let (seen, strain) = (coupled.observe_cell()?, self.reference.cell_strain(coupled)?);
+        let rows = |t: Tensor| [0, 1, 2].map(|a| [0, 1, 2].map(|b| t[(a, b)]));
+        let porosity = coupled.dem().porosity();
+        Some(CellState { strain: rows(strain), stress_pa: rows(seen.stress), porosity })
     }
 
     pub fn progress(&self, clock: &Clock) -> f64 {
@@ -142,7 +150,8 @@ impl State {
         context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
-            strain: logarithmic_strain(&self.reference, &coupled.dem().box_()),
+            strain: self.reference.strain(coupled),
+            cell: self.cell(coupled).map(Box::new),
             wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
             unbalanced_force: coupled.unbalanced_force(),
             samples: std::mem::take(&mut self.samples),
@@ -150,9 +159,9 @@ impl State {
     }
 
     /// Strain of the box where one ends the stage, else 0.
-    fn look_at_strain(&mut self, now: &Aabb) -> f64 {
+    fn look_at_strain(&mut self, coupled: &Coupled) -> f64 {
         let End::Strain { goal, axis, .. } = self.end else { return 0.0 };
-        let strain = logarithmic_strain(&self.reference, now)[axis];
+        let strain = self.reference.strain(coupled)[axis];
         self.strained = (strain / goal).clamp(0.0, 1.0);
         strain
     }
@@ -166,7 +175,7 @@ impl State {
                 Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
             }
             End::Strain { goal, max_steps, .. } => {
-                let now = self.look_at_strain(&context.coupled.dem().box_());
+                let now = self.look_at_strain(context.coupled);
                 if now / goal < 1.0 && self.steps >= max_steps {
                     return Err(StageError::StrainNotReached {
                         steps: self.steps,
@@ -179,6 +188,14 @@ impl State {
             }
         }
     }
+}
+
+/// What moves the periodic cell in the stage, where there is one.
+fn set_cell(coupled: &mut Coupled, plan: &scene::Run) -> Result<()> {
+    if coupled.dem().cell().is_some() {
+        coupled.controls().set_cell_controls(*plan.cell)?;
+    }
+    Ok(())
 }
 
 /// Friction of the stage, else that of the scene's spheres.

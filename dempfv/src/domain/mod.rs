@@ -1,12 +1,19 @@
-//! The box that holds the packing, and the names of its six walls.
+//! The box that holds the packing, the names of its six walls, and the cell that has none.
+
+mod cell;
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+pub use cell::{Cell, CellError};
+
 /// A point or a vector in space; SI units as the field that holds it says.
 pub type Vec3 = nalgebra::Vector3<f64>;
+
+/// A 3 × 3 matrix, as a stress or a velocity gradient.
+pub type Tensor = nalgebra::Matrix3<f64>;
 
 /// One of the six axis-aligned walls of the box.
 ///
