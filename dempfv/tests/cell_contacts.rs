@@ -190,6 +190,29 @@ fn nothing_depends_on_how_the_cell_is_chosen() {
     }
 }
 
+/// Spheres of two materials that are the same are those of one, to the bit.
+#[test]
+fn materials_count_in_a_cell() {
+    let grown = packing();
+    let course = |of: fn(usize) -> u16, materials: &[Material]| {
+        let mut particles = Particles::new(grown.positions(), grown.radii(), 2600.0);
+        particles.material = (0..particles.len()).map(of).collect();
+        particles.velocity.iter_mut().enumerate().for_each(|(i, v)| v.x = (i as f64).sin());
+        let cell = Cell::of_size(Vec3::repeat(1.0)).unwrap();
+        let mut dem =
+            Dem::in_cell(Linear, particles, cell, materials, DemOptions::default()).unwrap();
+        for _ in 0..50 {
+            dem.step(1e-4).unwrap();
+        }
+        (dem.forces(), dem.stress_in_cell())
+    };
+    let mut one = material();
+    let same = course(|_| 0, &[one]);
+    assert!(course(|i| (i % 2) as u16, &[one, one]) == same);
+    one.young = 2e6;
+    assert!(course(|i| (i % 2) as u16, &[material(), one]).1.trace() > 1.1 * same.1.trace());
+}
+
 /// Two rough spheres that meet, roll off and part: the same forces wherever in the cell they are,
 /// and while they drift through a face, an edge, or a corner of it, with a list that is new in
 /// nearly every step or in none.

@@ -89,10 +89,13 @@ impl CellSum {
             let normal = geometry.normal(l);
             let square = normal.map(|n| n * n);
             let along = square.map(|s| stiffness.normal * s + stiffness.shear * (1.0 - s));
-            for (k, sums) in self.moment.iter_mut().zip(&mut self.stiffness).enumerate() {
-                let (a, b) = (k / 3, k % 3);
-                *sums.0 += force[a] * apart[b];
-                *sums.1 += along[a] * (apart[b] * apart[b]);
+            let (moments, _) = self.moment.as_chunks_mut::<3>();
+            for (row, f) in moments.iter_mut().zip(force) {
+                row.iter_mut().zip(apart).for_each(|(sum, b)| *sum += f * b);
+            }
+            let (stiffnesses, _) = self.stiffness.as_chunks_mut::<3>();
+            for (row, k) in stiffnesses.iter_mut().zip(along) {
+                row.iter_mut().zip(apart).for_each(|(sum, b)| *sum += k * (b * b));
             }
         }
     }

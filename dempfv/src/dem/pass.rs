@@ -49,8 +49,8 @@ pub(super) fn contact_forces<L: ContactLaw>(
     match (input.cell.is_some(), input.material.is_empty()) {
         (false, true) => choose::<L, false, false>(list, out, &bound),
         (false, false) => choose::<L, true, false>(list, out, &bound),
-        // One set of kernels for any number of materials: there are enough of them.
-        (true, _) => choose::<L, true, true>(list, out, &bound),
+        (true, true) => choose::<L, false, true>(list, out, &bound),
+        (true, false) => choose::<L, true, true>(list, out, &bound),
     }
 }
 

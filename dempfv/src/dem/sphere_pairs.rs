@@ -63,11 +63,7 @@ impl SpherePairRange<'_> {
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
-                let of = |l: usize, k: usize| match material.get(bodies[l][k] as usize) {
-                    // A cell has no kernels of their own for spheres of one material.
-                    None if PERIODIC => 0,
-                    _ => material[bodies[l][k] as usize],
-                };
+                let of = |l: usize, k: usize| material[bodies[l][k] as usize];
                 let parameters = |l: usize| table.spheres(of(l, 0), of(l, 1));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
                 if let (true, Some(sum)) = (PERIODIC, &mut self.cell_sum) {
@@ -75,6 +71,9 @@ impl SpherePairRange<'_> {
                 }
             } else {
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
+                if let (true, Some(sum)) = (PERIODIC, &mut self.cell_sum) {
+                    sum.add_batch(law, batch, |_| only);
+                }
             }
             self.scatter::<L, MOTION, TORQUES>(batch);
         }
