@@ -295,6 +295,7 @@ history_every = 13
 vtk_every = 17
 checkpoint_every = 19
 pictures = false
+energy = false
 probes = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
 "#;
 
