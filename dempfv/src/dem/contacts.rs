@@ -98,7 +98,7 @@ impl Dem {
         let walls = (0..list.wall_pairs.len()).filter(|&k| list.wall_touch[k]).map(move |k| {
             self.wall_place(list.wall_pairs[k], &list.wall_history[k * length..][..length])
         });
-        spheres.chain(walls)
+        spheres.chain(walls).filter(|place| self.law.acts(&place.touch, place.history))
     }
 
     fn sphere_place<'a>(&self, pair: [u32; 2], history: &'a [f64]) -> Place<'a> {

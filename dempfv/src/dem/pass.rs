@@ -1,7 +1,7 @@
 //! Contact forces: one pass over the blocks evaluates each contact once and
 //! sums up within the block; a second one gathers what crosses blocks.
 
-use super::law::{Batch, ContactLaw, History, Needs};
+use super::law::{Batch, ContactLaw, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
@@ -69,7 +69,7 @@ fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: 
 ) {
     let span = PairSpan {
         first: 0,
-        length: L::History::LENGTH,
+        length: bound.law.history_length(),
         bounds: &list.bounds,
         pairs: &list.pairs,
         touch: &mut list.touch,
@@ -195,7 +195,7 @@ impl PairSpan<'_> {
     ) {
         let Bound { law, table, ref input, .. } = *bound;
         let origin = self.bounds[0];
-        let length = L::History::LENGTH;
+        let length = law.history_length();
         let mut scratch = L::Scratch::default();
         let mut pair_batch = Batch::new(input.dt);
         let mut wall_batch = Batch::new(input.dt);

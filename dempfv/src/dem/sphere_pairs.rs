@@ -42,12 +42,13 @@ impl SpherePairRange<'_> {
         (batch, scratch): (&mut PairBatch<L>, &mut L::Scratch),
         input: &Input<'_>,
     ) {
-        let (cut_off, only) = (law.cut_off(), table.spheres(0, 0));
+        let (reach, only) = ((law.cut_off(), law.history_length()), table.spheres(0, 0));
+        let (_, length) = reach;
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, input.centre, cut_off);
+            next = self.collect::<L>(batch, next, input.centre, reach);
             if MOTION {
-                self.load_motion::<L, TORQUES>(batch, input);
+                self.load_motion::<L, TORQUES>(batch, input, length);
             }
             for l in batch.lanes() {
                 batch.geometry.measure(l);
@@ -60,7 +61,7 @@ impl SpherePairRange<'_> {
             } else {
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
             }
-            self.scatter::<L, MOTION, TORQUES>(batch);
+            self.scatter::<L, MOTION, TORQUES>(batch, length);
         }
     }
 
@@ -72,7 +73,7 @@ impl SpherePairRange<'_> {
         batch: &mut PairBatch<L>,
         mut next: usize,
         centre: &[[f64; 4]],
-        cut_off: f64,
+        (cut_off, length): (f64, usize),
     ) -> usize {
         let mut count = 0;
         let end = self.pairs.len().min(self.touch.len());
@@ -92,7 +93,7 @@ impl SpherePairRange<'_> {
             if touch != self.touch[next] {
                 self.touch[next] = touch;
                 if !touch {
-                    self.part::<L>(next);
+                    self.part(next, length);
                 }
             }
             next += 1;
@@ -103,8 +104,8 @@ impl SpherePairRange<'_> {
 
     /// Two spheres have lost touch.
     #[cold]
-    fn part<L: ContactLaw>(&mut self, slot: usize) {
-        self.history[slot * L::History::LENGTH..][..L::History::LENGTH].fill(0.0);
+    fn part(&mut self, slot: usize, length: usize) {
+        self.history[slot * length..][..length].fill(0.0);
         if let Some(sent) = &mut self.sent {
             sent[slot] = [0.0; 6];
         }
@@ -115,12 +116,13 @@ impl SpherePairRange<'_> {
         &self,
         batch: &mut PairBatch<L>,
         input: &Input<'_>,
+        length: usize,
     ) {
         let (velocity, spin, history) = (input.velocity, input.spin, &*self.history);
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let [i, j] = batch.bodies[l].map(|k| k as usize);
             let slot = batch.slot[l] as usize;
-            L::History::load(&mut batch.history, l, &history[slot * L::History::LENGTH..]);
+            L::History::load(&mut batch.history, l, &history[slot * length..][..length]);
             put(&mut batch.geometry.velocity, l, (velocity[j] - velocity[i]).into());
             if TORQUES {
                 put(&mut batch.geometry.spin[0], l, spin[i].into());
@@ -133,6 +135,7 @@ impl SpherePairRange<'_> {
     fn scatter<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
         &mut self,
         batch: &PairBatch<L>,
+        length: usize,
     ) {
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let slot = batch.slot[l] as usize;
@@ -140,7 +143,7 @@ impl SpherePairRange<'_> {
             let force = Vec3::from(get(&batch.force, l));
             self.force[i] -= force;
             if MOTION {
-                let to = &mut self.history[slot * L::History::LENGTH..];
+                let to = &mut self.history[slot * length..][..length];
                 L::History::store(&batch.history, l, to);
                 if TORQUES {
                     self.torque[i] += Vec3::from(get(&batch.torque[0], l));

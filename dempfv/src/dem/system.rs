@@ -234,6 +234,7 @@ impl Dem {
     }
 
     fn rebuild(&mut self) -> Result<(), DemError> {
+        self.law.fit_cut_off(self.particles.radius.iter().copied().fold(0.0, f64::max));
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         self.list.build(&self.particles, &self.walls, cut_off, skin)?;
         self.look_at_sizes();

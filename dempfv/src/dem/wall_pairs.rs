@@ -49,12 +49,13 @@ impl WallPairRange<'_> {
         input: &Input<'_>,
     ) -> PerWall<WallSum> {
         let mut sums = PerWall::default();
-        let (cut_off, only) = (law.cut_off(), table.wall(0));
+        let (reach, only) = ((law.cut_off(), law.history_length()), table.wall(0));
+        let (_, length) = reach;
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, input, cut_off);
+            next = self.collect::<L>(batch, next, input, reach);
             if MOTION {
-                self.load_motion::<L, TORQUES>(batch, input);
+                self.load_motion::<L, TORQUES>(batch, input, length);
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
@@ -77,7 +78,7 @@ impl WallPairRange<'_> {
         batch: &mut WallBatch<L>,
         mut next: usize,
         input: &Input<'_>,
-        cut_off: f64,
+        (cut_off, length): (f64, usize),
     ) -> usize {
         let mut count = 0;
         let end = self.pairs.len().min(self.touch.len());
@@ -98,7 +99,6 @@ impl WallPairRange<'_> {
             if touch != self.touch[next] {
                 self.touch[next] = touch;
                 if !touch {
-                    let length = L::History::LENGTH;
                     self.history[next * length..][..length].fill(0.0);
                 }
             }
@@ -113,11 +113,12 @@ impl WallPairRange<'_> {
         &self,
         batch: &mut WallBatch<L>,
         input: &Input<'_>,
+        length: usize,
     ) {
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let (i, wall) = (batch.bodies[l][0] as usize, WallId::ALL[batch.bodies[l][1] as usize]);
             let slot = batch.slot[l] as usize;
-            L::History::load(&mut batch.history, l, &self.history[slot * L::History::LENGTH..]);
+            L::History::load(&mut batch.history, l, &self.history[slot * length..][..length]);
             // A wall moves along its normal only: it does not slide.
             let mut velocity = -input.velocity[i];
             velocity[wall.axis()] += input.walls[wall].velocity;
@@ -142,8 +143,8 @@ impl WallPairRange<'_> {
             let force = Vec3::from(get(&batch.force, l));
             self.force[i] -= force;
             if MOTION {
-                let slot = batch.slot[l] as usize;
-                let to = &mut self.history[slot * L::History::LENGTH..];
+                let (slot, length) = (batch.slot[l] as usize, law.history_length());
+                let to = &mut self.history[slot * length..][..length];
                 L::History::store(&batch.history, l, to);
             }
             if TORQUES {

@@ -1,0 +1,65 @@
+//! What the loops of the granular law hand on to each other.
+
+use super::batch::{Lane, UpTo, ZERO_LANE};
+
+/// The most that a contact of the granular law remembers: shear force (3), rolling force (3),
+/// twisting force (1), radius of an adhesive contact (1) or state and length of a bond (2).
+pub type Memory = UpTo<9>;
+
+/// Constants of a contact of the granular law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GranularParameters {
+    /// Normal stiffness over the reduced radius for linear springs, E* for Hertz's contact (Pa).
+    pub modulus: f64,
+    /// Shear stiffness over normal stiffness; with Hertz 4 G*/E*.
+    pub shear_ratio: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Densities of the two bodies (kg/m³); of a wall none.
+    pub densities: [f64; 2],
+    /// Damping ratio of the normal spring that the restitution stands for; 0 without damping.
+    pub damping_ratio: f64,
+}
+
+/// Lanes of what a contact's forces are made of. What an effect that is off would write, stays as
+/// it was made: zero.
+#[derive(Debug)]
+pub struct Terms {
+    /// Tangent stiffness of the normal spring (N/m).
+    pub(super) stiffness: Lane,
+    /// Force by which the surfaces push each other apart (N).
+    pub(super) push: Lane,
+    /// Coefficient of the normal dashpot (N s/m).
+    pub(super) dashpot: Lane,
+    /// Force of the normal dashpot, positive where the bodies approach (N).
+    pub(super) viscous: Lane,
+    /// Normal force that friction and rolling resistance are proportional to (N).
+    pub(super) grip: Lane,
+    /// Square of the contact radius over what it was a step before, where it has shrunk; else 1.
+    pub(super) shrinkage: Lane,
+    /// Shear force after the contact has turned, and the square of the factor that its length
+    /// lacks.
+    pub(super) turned: [Lane; 3],
+    pub(super) ratio: Lane,
+    /// What the slip of the step takes off the shear force (N).
+    pub(super) loss: [Lane; 3],
+    /// Shear force of the tangential dashpot on the second body (N).
+    pub(super) drag: [Lane; 3],
+}
+
+impl Default for Terms {
+    fn default() -> Terms {
+        Terms {
+            stiffness: ZERO_LANE,
+            push: ZERO_LANE,
+            dashpot: ZERO_LANE,
+            viscous: ZERO_LANE,
+            grip: ZERO_LANE,
+            shrinkage: ZERO_LANE,
+            turned: [ZERO_LANE; 3],
+            ratio: ZERO_LANE,
+            loss: [ZERO_LANE; 3],
+            drag: [ZERO_LANE; 3],
+        }
+    }
+}
