@@ -33,7 +33,7 @@ fn pair(material: Material, poisson_ratio: f64) -> Dem {
     p.velocity[1].x = -10.0;
     let walls = WallMaterial { young: material.young, friction_angle: 0.0 };
     let options = DemOptions::default();
-    Dem::with_law(hertz(poisson_ratio), p, BOX, &[material], walls, options).unwrap()
+    Dem::with_effects(hertz(poisson_ratio), p, BOX, &[material], walls, options).unwrap()
 }
 
 /// The four digits of the benchmark, at 2,000 steps a collision.
@@ -67,8 +67,8 @@ fn a_sphere_strikes_a_wall() {
             hertz: Some(Hertz { poisson_ratio: 0.2, wall_poisson_ratio: wall_poisson }),
             ..GranularEffects::default()
         };
-        let law = Granular::new(effects).unwrap();
-        let mut dem = Dem::with_law(law, p, BOX, &[GLASS], walls, DemOptions::default()).unwrap();
+        let mut dem =
+            Dem::with_effects(effects, p, BOX, &[GLASS], walls, DemOptions::default()).unwrap();
         let modulus = 1.0 / (0.96 / 48e9 + 0.91 / wall_young);
         let overlap = (15.0 * m * v * v / (16.0 * modulus * r.sqrt())).powf(0.4);
         let force = 4.0 / 3.0 * modulus * r.sqrt() * overlap.powf(1.5);
@@ -118,7 +118,7 @@ fn shear_is_mindlins() {
         p.velocity[1].y = path / (10.0 * dt);
         let walls = frictionless_walls();
         let options = DemOptions { rotation: false, ..DemOptions::default() };
-        let mut dem = Dem::with_law(hertz(0.2), p, BOX, &[rough], walls, options).unwrap();
+        let mut dem = Dem::with_effects(hertz(0.2), p, BOX, &[rough], walls, options).unwrap();
         for _ in 0..10 {
             dem.step(dt).unwrap();
         }
@@ -145,7 +145,7 @@ fn a_cycle_of_shear_and_pressure_gains_nothing() {
     p.mass.fill(1e30);
     let walls = frictionless_walls();
     let options = DemOptions { rotation: false, ..DemOptions::default() };
-    let mut dem = Dem::with_law(hertz(0.2), p, BOX, &[rough], walls, options).unwrap();
+    let mut dem = Dem::with_effects(hertz(0.2), p, BOX, &[rough], walls, options).unwrap();
     let mut work = 0.0;
     // Press by 100 µm more, shear by 10 µm, back by 150 µm, shear back, press again.
     for (vx, vy) in [(-1.0, 0.0), (0.0, 0.1), (1.5, 0.0), (0.0, -0.1), (-0.5, 0.0)] {

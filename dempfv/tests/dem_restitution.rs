@@ -8,18 +8,18 @@ use std::f64::consts::PI;
 use dempfv::dem::law::{Granular, GranularEffects, Hertz, Restitution};
 use dempfv::dem::{Dem, DemError, DemOptions, Material, Particles, WallMaterial};
 use dempfv::{Vec3, WallId};
-use law_support::{BOX, granular, same_bits};
+use law_support::{BOX, same_bits};
 
 const MATERIAL: Material =
     Material { young: 1e7, stiffness_ratio: 0.5, friction_angle: 0.0, density: 2600.0 };
 const HERTZ: Hertz = Hertz { poisson_ratio: 0.25, wall_poisson_ratio: 0.25 };
 
-fn law(hertz: bool, restitution: f64) -> Granular {
-    granular(GranularEffects {
+fn law(hertz: bool, restitution: f64) -> GranularEffects {
+    GranularEffects {
         hertz: hertz.then_some(HERTZ),
         restitution: Some(Restitution { spheres: restitution, walls: restitution }),
         ..GranularEffects::default()
-    })
+    }
 }
 
 fn walls() -> WallMaterial {
@@ -62,7 +62,8 @@ fn measured(hertz: bool, restitution: f64, wall: Option<WallId>) -> f64 {
     // that are half a step old, which makes e smaller by ζ ω Δt/2 of |ln e| and more.
     let dt = PI * (p.mass[0] / (MATERIAL.young * r)).sqrt() / 1000.0;
     let law = law(hertz, restitution);
-    let mut dem = Dem::with_law(law, p, BOX, &[MATERIAL], walls(), DemOptions::default()).unwrap();
+    let mut dem =
+        Dem::with_effects(law, p, BOX, &[MATERIAL], walls(), DemOptions::default()).unwrap();
     strike(&mut dem, dt);
     match wall {
         None => (dem.velocity(1).x - dem.velocity(0).x) / speed,
@@ -98,7 +99,7 @@ fn an_oblique_impact_slides() {
             let dt = PI * (p.mass[0] / (young * r)).sqrt() / 2000.0;
             let law = law(hertz, restitution);
             let mut dem =
-                Dem::with_law(law, p, BOX, &[rough], walls, DemOptions::default()).unwrap();
+                Dem::with_effects(law, p, BOX, &[rough], walls, DemOptions::default()).unwrap();
             strike(&mut dem, dt);
             let (v, spin) = (dem.velocity(0), dem.spin(0));
             let e = v.y / normal;
@@ -125,7 +126,7 @@ fn damped_contacts_are_stable_at_the_automatic_time_step() {
             let options = DemOptions { gravity, ..DemOptions::default() };
             let walls = WallMaterial { friction_angle: 0.5, ..walls() };
             let law = law(hertz, restitution);
-            let mut dem = Dem::with_law(law, p, BOX, &[rough], walls, options).unwrap();
+            let mut dem = Dem::with_effects(law, p, BOX, &[rough], walls, options).unwrap();
             let start = dem.kinetic_energy();
             for _ in 0..20_000 {
                 dem.step_auto(0.8).unwrap();

@@ -59,6 +59,10 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     fn stiffness(&self, touch: &Touch) -> Stiffness;
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
+    /// See [`ContactLaw::bond`].
+    fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool;
+    /// See [`ContactLaw::is_bonded`].
+    fn is_bonded(&self, history: &[f64]) -> bool;
     /// See [`ContactLaw::reversed`].
     fn reverse(&self, history: &mut [f64]);
 }
@@ -171,6 +175,14 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
                 self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
             }
         }
+    }
+
+    fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool {
+        self.law.bond(overlap, radii, history)
+    }
+
+    fn is_bonded(&self, history: &[f64]) -> bool {
+        self.law.is_bonded(&L::History::read(history))
     }
 
     fn reverse(&self, history: &mut [f64]) {

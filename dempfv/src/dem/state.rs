@@ -35,6 +35,8 @@ pub struct DemState {
     /// Length of the last step (s) if the histories have not yet followed its
     /// motion, else 0.
     pub pending_dt: f64,
+    /// Bonds that have been made, intact and broken.
+    pub bonds: u64,
 }
 
 impl<T> Default for ContactHistory<T> {

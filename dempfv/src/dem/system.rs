@@ -56,6 +56,8 @@ pub struct Dem {
     wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pub(super) pending_dt: f64,
+    /// See [`DemState::bonds`].
+    pub(super) bonds: u64,
     pub(super) list: Neighbours,
     pub(super) forces: Forces,
     /// Centre and radius of each sphere, as the contact pass reads them.
@@ -112,6 +114,7 @@ impl Dem {
             sphere_history: ContactHistory::default(),
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
+            bonds: 0,
         };
         // Nothing to reverse: there are no contacts yet.
         state.sort_spatially(0, |_| ());
@@ -169,7 +172,7 @@ impl Dem {
         state.particles.check_materials(materials.len())?;
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, pending_dt, .. } = state;
+        let DemState { particles, walls, pending_dt, bonds, .. } = state;
         let centre = particles
             .position
             .iter()
@@ -196,6 +199,7 @@ impl Dem {
             materials,
             wall_material,
             pending_dt,
+            bonds,
             list,
             centre,
         };
@@ -214,6 +218,7 @@ impl Dem {
             sphere_history: self.list.sphere_history(),
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
+            bonds: self.bonds,
         }
     }
 

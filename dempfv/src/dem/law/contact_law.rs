@@ -150,6 +150,17 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
         history: &Self::History,
     ) -> f64;
 
+    /// Bonds two spheres with this overlap and these radii (m) for good, if they are near enough;
+    /// tells whether. Never for a law without bonds.
+    fn bond(&self, _overlap: f64, _radii: [f64; 2], _history: &mut [f64]) -> bool {
+        false
+    }
+
+    /// Whether an intact bond holds a contact.
+    fn is_bonded(&self, _history: &Self::History) -> bool {
+        false
+    }
+
     /// The history when the two bodies change places: a force on the second
     /// body changes its sign. Needed when spheres are renumbered.
     fn reversed(&self, history: Self::History) -> Self::History;

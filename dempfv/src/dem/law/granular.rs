@@ -1,44 +1,48 @@
 //! The granular law: a contact put together from the effects that are asked for.
 
-use serde::Serialize;
-
+use super::adhesion::Adhesion;
 use super::batch::{Batch, get, put};
+use super::bonds::{self, Bond};
 use super::contact_law::{ContactForce, ContactLaw, Needs, Stiffness};
-use super::geometry::{Geometry, Radii};
-use super::hertz::{self, Hertz};
-use super::restitution::{self, Restitution};
+use super::effects::{GranularEffects, Slots};
+use super::geometry::{Geometry, Radii, SphereOnPlane};
+use super::hertz;
+use super::jkr::{self, Jkr};
+use super::resistance::Resistance;
+use super::restitution;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::vector::{add_scaled, cross, scaled};
-use super::{shear, springs};
+use super::{dmt, pull_off, rolling, shear, springs, twisting};
 use crate::Vec3;
 use crate::dem::error::DemError;
 use crate::dem::material::{Material, WallMaterial};
-
-/// What the granular law is put together from. Without any of it, it is the linear law.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct GranularEffects {
-    /// Hertz's and Mindlin's contact in the place of linear springs.
-    pub hertz: Option<Hertz>,
-    /// Viscous damping.
-    pub restitution: Option<Restitution>,
-}
 
 /// A law whose batches go through a loop for each effect that is on; which these are is asked once
 /// a batch. Friction and shear stiffness are those of the materials.
 #[derive(Clone, Copy, Debug)]
 pub struct Granular {
     effects: GranularEffects,
+    /// Where each effect's numbers are in the history.
+    slots: Slots,
+    cut_off: f64,
+}
+
+/// A contact that does not move: stiffness (N/m), force and energy of its normal spring (N, J).
+struct AtRest {
+    stiffness: f64,
+    force: f64,
+    energy: f64,
 }
 
 impl Granular {
     /// The law with these effects.
     ///
     /// # Errors
-    /// [`DemError::Parameter`] for a constant that makes no sense.
+    /// [`DemError::Parameter`] for a constant that makes no sense; [`DemError::Effects`] for effects
+    /// that do not go together.
     pub fn new(effects: GranularEffects) -> Result<Granular, DemError> {
-        effects.hertz.iter().try_for_each(Hertz::check)?;
-        effects.restitution.iter().try_for_each(Restitution::check)?;
-        Ok(Granular { effects })
+        effects.check()?;
+        Ok(Granular { effects, slots: Slots::of(&effects), cut_off: 0.0 })
     }
 
     /// What it is put together from.
@@ -51,32 +55,93 @@ impl Granular {
         if self.effects.hertz.is_some() { (5.0f64 / 6.0).sqrt() } else { 1.0 }
     }
 
-    /// Tangent stiffness (N/m) and normal force (N) at rest.
+    /// The adhesive contact of the theory of Johnson, Kendall and Roberts, where it is on.
     #[inline(always)]
-    fn at_rest(&self, p: &GranularParameters, radii: impl Radii, overlap: f64) -> (f64, f64) {
-        if self.effects.hertz.is_some() {
-            let stiffness = hertz::stiffness(p.modulus, radii.reduced(1.0), overlap);
-            (stiffness, 2.0 / 3.0 * stiffness * overlap)
-        } else {
-            let stiffness = radii.reduced(p.modulus);
-            (stiffness, stiffness * overlap.max(0.0))
+    fn jkr(&self, p: &GranularParameters, radii: impl Radii) -> Option<Jkr> {
+        match self.effects.adhesion {
+            Some(Adhesion::Jkr(work)) => Some(Jkr::new(p.modulus, work, radii)),
+            _ => None,
         }
     }
 
-    fn parameters(
-        &self,
-        (modulus, shear_ratio): (f64, f64),
-        angles: [f64; 2],
-        densities: [f64; 2],
-        restitution: Option<f64>,
-    ) -> GranularParameters {
-        GranularParameters {
-            modulus,
-            shear_ratio,
-            friction: angles[0].min(angles[1]).tan(),
-            densities,
-            damping_ratio: restitution.map_or(0.0, restitution::damping_ratio),
+    fn bond_of(&self, history: &Memory) -> Bond {
+        match self.effects.bonds {
+            Some(_) => Bond([history.0[self.slots.bond], history.0[self.slots.bond + 1]]),
+            None => Bond([0.0; 2]),
         }
+    }
+
+    /// The normal stiffness (N/m) of two bodies that act on each other.
+    #[inline(always)]
+    fn normal_stiffness(&self, p: &GranularParameters, radii: impl Radii, overlap: f64) -> f64 {
+        if let Some(contact) = self.jkr(p, radii) {
+            let exists = overlap >= contact.least_overlap();
+            if exists { 2.0 * p.modulus * contact.contact_radius(overlap) } else { 0.0 }
+        } else if self.effects.hertz.is_some() {
+            hertz::stiffness(p.modulus, radii.reduced(1.0), overlap)
+        } else if p.bondable || overlap > 0.0 {
+            radii.reduced(p.modulus)
+        } else {
+            0.0
+        }
+    }
+
+    fn at_rest(
+        &self,
+        p: &GranularParameters,
+        radii: impl Radii,
+        overlap: f64,
+        history: &Memory,
+    ) -> AtRest {
+        let stiffness = self.normal_stiffness(p, radii, overlap);
+        if let Some(contact) = self.jkr(p, radii) {
+            let [push, pull] = contact.forces(overlap);
+            return AtRest { stiffness, force: push - pull, energy: contact.energy(overlap) };
+        }
+        let (push, share) = if self.effects.hertz.is_some() {
+            (2.0 / 3.0 * stiffness * overlap, 0.4)
+        } else {
+            (stiffness * self.bond_of(history).compression(overlap), 0.5)
+        };
+        let compression = self.bond_of(history).compression(overlap);
+        let pull = match self.effects.adhesion {
+            Some(Adhesion::Constant(force)) => force,
+            Some(Adhesion::Dmt(work)) => dmt::pull_off(work, radii),
+            Some(Adhesion::Jkr(_)) | None => 0.0,
+        };
+        let energy = share * push * compression - pull * overlap;
+        AtRest { stiffness, force: push - pull, energy }
+    }
+
+    /// Energy of the springs against rolling and twisting (J).
+    fn turning_energy(&self, stiffness: f64, history: &Memory) -> f64 {
+        let energy = |resistance: Option<Resistance>, numbers: &[f64]| {
+            let force2: f64 = numbers.iter().map(|x| x * x).sum();
+            match resistance {
+                Some(resistance) if force2 > 0.0 => 0.5 * force2 / resistance.spring(stiffness),
+                _ => 0.0,
+            }
+        };
+        let Slots { rolling, twisting, .. } = self.slots;
+        energy(self.effects.rolling, &history.0[rolling..rolling + 3])
+            + energy(self.effects.twisting, &history.0[twisting..=twisting])
+    }
+}
+
+fn parameters(
+    (modulus, shear_ratio): (f64, f64),
+    angles: [f64; 2],
+    densities: [f64; 2],
+    restitution: Option<f64>,
+    bondable: bool,
+) -> GranularParameters {
+    GranularParameters {
+        modulus,
+        shear_ratio,
+        friction: angles[0].min(angles[1]).tan(),
+        densities,
+        damping_ratio: restitution.map_or(0.0, restitution::damping_ratio),
+        bondable,
     }
 }
 
@@ -86,12 +151,12 @@ impl ContactLaw for Granular {
     type Scratch = Terms;
 
     fn name(&self) -> &'static str {
-        "granular"
+        self.effects.name()
     }
 
     #[inline(always)]
     fn history_length(&self) -> usize {
-        3
+        self.slots.length
     }
 
     fn between_spheres(&self, first: &Material, second: &Material) -> GranularParameters {
@@ -101,7 +166,8 @@ impl ContactLaw for Granular {
         };
         let angles = [first.friction_angle, second.friction_angle];
         let restitution = self.effects.restitution.map(|r| r.spheres);
-        self.parameters(stiffness, angles, [first.density, second.density], restitution)
+        let densities = [first.density, second.density];
+        parameters(stiffness, angles, densities, restitution, self.effects.bonds.is_some())
     }
 
     fn on_wall(&self, sphere: &Material, wall: &WallMaterial) -> GranularParameters {
@@ -111,16 +177,45 @@ impl ContactLaw for Granular {
         };
         let angles = [sphere.friction_angle, wall.friction_angle];
         let restitution = self.effects.restitution.map(|r| r.walls);
-        self.parameters(stiffness, angles, [sphere.density; 2], restitution)
+        parameters(stiffness, angles, [sphere.density; 2], restitution, false)
     }
 
     fn needs(&self, parameters: &GranularParameters) -> Needs {
-        if parameters.friction > 0.0 {
+        let GranularEffects { rolling, twisting, adhesion, bonds, .. } = self.effects;
+        if parameters.friction > 0.0 || rolling.is_some() || twisting.is_some() || bonds.is_some() {
             Needs::Torques
-        } else if parameters.damping_ratio > 0.0 {
+        } else if parameters.damping_ratio > 0.0 || matches!(adhesion, Some(Adhesion::Jkr(_))) {
             Needs::Motion
         } else {
             Needs::Overlap
+        }
+    }
+
+    fn cut_off(&self) -> f64 {
+        self.cut_off
+    }
+
+    fn fit_cut_off<'p>(
+        &mut self,
+        parameters: impl Iterator<Item = &'p GranularParameters>,
+        largest_radius: f64,
+    ) {
+        let (jkr, bonds) = (self.jkr_work(), self.effects.bonds);
+        let reach = |p: &GranularParameters| {
+            // The reach grows with the reduced radius, which is largest on a wall.
+            let radii = SphereOnPlane(REACH_MARGIN * largest_radius);
+            let adhesive = jkr.map_or(0.0, |w| -Jkr::new(p.modulus, w, radii).least_overlap());
+            let bonds = bonds.filter(|_| p.bondable);
+            adhesive.max(bonds.map_or(0.0, |b| b.reach(p.modulus, largest_radius)))
+        };
+        self.cut_off = parameters.map(reach).fold(0.0, f64::max);
+    }
+
+    fn acts(&self, overlap: f64, history: &Memory) -> bool {
+        match (self.jkr_work(), self.effects.bonds) {
+            (Some(_), _) => history.0[self.slots.contact] > 0.0,
+            (None, Some(_)) => self.bond_of(history).acts(overlap),
+            (None, None) => true,
         }
     }
 
@@ -146,15 +241,25 @@ impl ContactLaw for Granular {
 
     #[inline(always)]
     fn stiffness(&self, p: &GranularParameters, radii: impl Radii, overlap: f64) -> Stiffness {
-        let (mut normal, _) = self.at_rest(p, radii, overlap);
-        let mut shear = if p.friction > 0.0 { p.shear_ratio * normal } else { 0.0 };
+        let normal = self.normal_stiffness(p, radii, overlap);
+        let slides = p.friction > 0.0 || p.bondable;
+        let mut result =
+            Stiffness { normal, shear: if slides { p.shear_ratio * normal } else { 0.0 } };
         if p.damping_ratio > 0.0 {
             let ratio = self.shape() * p.damping_ratio;
-            normal *= restitution::stiffening(ratio);
+            result.normal *= restitution::stiffening(ratio);
             // What slides has 2/7 of the mass of what approaches, where spheres turn.
-            shear *= restitution::stiffening(3.5f64.sqrt() * ratio);
+            result.shear *= restitution::stiffening(3.5f64.sqrt() * ratio);
         }
-        Stiffness { normal, shear }
+        if let Some(rolling) = self.effects.rolling {
+            result.shear += rolling.shear_ratio() * normal;
+        }
+        if let Some(twisting) = self.effects.twisting {
+            // About the normal, where a shear stiffness turns nothing: it counts against the mass,
+            // of which I / r² is 0.4.
+            result.shear += 2.5 * twisting.shear_ratio() * normal;
+        }
+        result
     }
 
     fn force(
@@ -164,12 +269,12 @@ impl ContactLaw for Granular {
         overlap: f64,
         history: &Memory,
     ) -> ContactForce {
-        let (_, normal) = self.at_rest(p, radii, overlap);
         let [x, y, z] = [0, 1, 2].map(|k| history.0[k]);
+        let normal = self.at_rest(p, radii, overlap, history).force;
         ContactForce { normal, shear: Vec3::new(x, y, z) }
     }
 
-    /// Of the normal spring, and F_s² / 2k_t of the shear spring.
+    /// Of the normal spring, that of adhesion counted against it; F² / 2k of the others.
     fn elastic_energy(
         &self,
         p: &GranularParameters,
@@ -177,16 +282,30 @@ impl ContactLaw for Granular {
         overlap: f64,
         history: &Memory,
     ) -> f64 {
-        let (stiffness, normal) = self.at_rest(p, radii, overlap);
-        let share = if self.effects.hertz.is_some() { 0.4 } else { 0.5 };
-        let shear = self.force(p, radii, overlap, history).shear.norm_squared();
-        let tangential = if shear > 0.0 { 0.5 * shear / (p.shear_ratio * stiffness) } else { 0.0 };
-        share * normal * overlap + tangential
+        let AtRest { stiffness, energy, .. } = self.at_rest(p, radii, overlap, history);
+        let shear: f64 = history.0[..3].iter().map(|x| x * x).sum();
+        let sheared = if shear > 0.0 { 0.5 * shear / (p.shear_ratio * stiffness) } else { 0.0 };
+        energy + sheared + self.turning_energy(stiffness, history)
     }
 
+    /// Rolling and twisting are the same seen from either body.
     fn reversed(&self, mut history: Memory) -> Memory {
         history.0[..3].iter_mut().for_each(|x| *x = -*x);
         history
+    }
+
+    fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool {
+        let Some(bonds) = self.effects.bonds else { return false };
+        if !bonds.joins(overlap, radii) {
+            return false;
+        }
+        let Bond(made) = Bond::made(overlap);
+        history[self.slots.bond..][..2].copy_from_slice(&made);
+        true
+    }
+
+    fn is_bonded(&self, history: &Memory) -> bool {
+        self.bond_of(history).intact()
     }
 
     #[inline(always)]
@@ -196,27 +315,94 @@ impl ContactLaw for Granular {
         terms: &mut Terms,
         parameters: impl Fn(usize) -> GranularParameters + Copy,
     ) {
-        let damped = MOTION && self.effects.restitution.is_some();
-        if self.effects.hertz.is_some() {
-            hertz::press(batch, terms, parameters);
-        } else {
-            springs::press(batch, terms, parameters);
-        }
-        if damped {
+        self.press::<G, MOTION>(batch, terms, parameters);
+        if MOTION && self.effects.restitution.is_some() {
             restitution::resist(batch, terms, parameters, self.shape());
             restitution::join(batch, terms);
             restitution::drag::<G, TORQUES>(batch, terms, parameters);
         }
-        terms.grip = terms.push;
+        match (self.effects.bonds, self.effects.adhesion) {
+            (Some(_), _) if MOTION => bonds::grip(batch, terms, parameters),
+            (None, Some(Adhesion::Jkr(_))) => jkr::grip(batch, terms),
+            _ => terms.grip = terms.push,
+        }
         if MOTION && batch.dt != 0.0 {
-            shear::follow::<G, TORQUES>(batch, terms, parameters);
-            if self.effects.hertz.is_some() {
-                hertz::shrink(batch, terms);
-                shear::shrink(batch, terms);
-            }
-            shear::cut(batch, terms, parameters);
+            self.follow::<G, TORQUES>(batch, terms, parameters);
+        }
+        if MOTION && self.effects.restitution.is_some() {
+            shear::limit_drag(batch, terms, parameters);
         }
         sum::<G, MOTION, TORQUES>(batch, terms);
+        if TORQUES && let Some(rolling) = &self.effects.rolling {
+            rolling::turn_back(batch, terms, parameters, rolling, self.slots.rolling);
+        }
+        if TORQUES && let Some(twisting) = &self.effects.twisting {
+            twisting::turn_back(batch, terms, parameters, twisting, self.slots.twisting);
+        }
+    }
+}
+
+/// Share by which radii may grow before the cut-off is taken again.
+const REACH_MARGIN: f64 = 1.2;
+
+impl Granular {
+    fn jkr_work(&self) -> Option<f64> {
+        match self.effects.adhesion {
+            Some(Adhesion::Jkr(work)) => Some(work),
+            _ => None,
+        }
+    }
+
+    /// The normal springs and what pulls.
+    #[inline(always)]
+    fn press<G: Geometry, const MOTION: bool>(
+        &self,
+        batch: &mut Batch<G, Memory>,
+        terms: &mut Terms,
+        parameters: impl Fn(usize) -> GranularParameters + Copy,
+    ) {
+        match (self.effects.adhesion, &self.effects.bonds) {
+            (Some(Adhesion::Jkr(work)), _) if MOTION => {
+                jkr::press(batch, terms, parameters, work, self.slots.contact);
+            }
+            (_, Some(bonds)) if MOTION => {
+                bonds::hold(batch, terms, parameters, bonds, self.slots.bond);
+            }
+            _ if self.effects.hertz.is_some() => hertz::press(batch, terms, parameters),
+            _ => springs::press(batch, terms, parameters),
+        }
+        match self.effects.adhesion {
+            Some(Adhesion::Constant(force)) => pull_off::pull(batch, terms, force),
+            Some(Adhesion::Dmt(work)) => dmt::pull(batch, terms, work),
+            Some(Adhesion::Jkr(_)) | None => {}
+        }
+    }
+
+    /// Takes the histories through the step.
+    #[inline(always)]
+    fn follow<G: Geometry, const TORQUES: bool>(
+        &self,
+        batch: &mut Batch<G, Memory>,
+        terms: &mut Terms,
+        parameters: impl Fn(usize) -> GranularParameters + Copy,
+    ) {
+        shear::follow::<G, TORQUES>(batch, terms, parameters);
+        if self.effects.hertz.is_some() {
+            if self.jkr_work().is_none() {
+                hertz::shrink(batch, terms);
+            }
+            shear::shrink(batch, terms);
+        }
+        if self.effects.bonds.is_some() {
+            bonds::shear_off(batch, terms, parameters, self.slots.bond);
+        }
+        shear::slide(batch, terms, parameters);
+        if TORQUES && let Some(rolling) = &self.effects.rolling {
+            rolling::follow(batch, terms, parameters, rolling, self.slots.rolling);
+        }
+        if TORQUES && let Some(twisting) = &self.effects.twisting {
+            twisting::follow(batch, terms, parameters, twisting, self.slots.twisting);
+        }
     }
 }
 
@@ -228,7 +414,7 @@ fn sum<G: Geometry, const MOTION: bool, const TORQUES: bool>(
 ) {
     for l in batch.lanes() {
         let normal = batch.geometry.normal(l);
-        let mut force = scaled(terms.push[l], normal);
+        let mut force = scaled(terms.push[l] - terms.pull[l], normal);
         if MOTION {
             let spring = [0, 1, 2].map(|k| batch.history[k][l]);
             let shear = add_scaled(spring, 1.0, get(&terms.drag, l));

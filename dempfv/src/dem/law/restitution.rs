@@ -105,11 +105,11 @@ pub(super) fn resist<G: Geometry>(
     }
 }
 
-/// Spring and dashpot together, which may not pull.
+/// Spring and dashpot together, which may not pull but where a bond holds.
 #[inline(always)]
 pub(super) fn join<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
     for l in batch.lanes() {
-        terms.push[l] = (terms.push[l] + terms.viscous[l]).max(0.0);
+        terms.push[l] = (terms.push[l] + terms.viscous[l]).max(terms.floor[l]);
     }
 }
 

@@ -4,7 +4,7 @@ use super::batch::{Batch, get, put};
 use super::geometry::Geometry;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::turn::turn;
-use super::vector::{add_scaled, dot, scaled};
+use super::vector::{add_scaled, cut, scaled};
 
 /// Turns the shear forces with the contacts and finds what slip takes.
 #[inline(always)]
@@ -39,21 +39,35 @@ pub(super) fn shrink<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
 /// The shear forces after the step: spring and dashpot together are cut at the limit, and the
 /// spring keeps what the dashpot does not take.
 #[inline(always)]
-pub(super) fn cut<G: Geometry>(
+pub(super) fn slide<G: Geometry>(
     batch: &mut Batch<G, Memory>,
     terms: &Terms,
     parameters: impl Fn(usize) -> GranularParameters,
 ) {
     for l in batch.lanes() {
-        let limit = parameters(l).friction * terms.grip[l];
+        let limit = terms.strength[l] + parameters(l).friction * terms.grip[l];
         let drag = get(&terms.drag, l);
         let s = scaled(terms.ratio[l].sqrt(), get(&terms.turned, l));
         let s = add_scaled(add_scaled(s, -1.0, get(&terms.loss, l)), 1.0, drag);
-        let size2 = dot(s, s);
-        let share = if size2 > limit * limit { limit / size2.sqrt() } else { 1.0 };
-        let s = add_scaled(scaled(share, s), -1.0, drag);
+        let s = add_scaled(cut(s, limit), -1.0, drag);
         for k in 0..3 {
             batch.history[k][l] = s[k];
         }
+    }
+}
+
+/// What the dashpots may add to the springs: both together stay within the limit, also where the
+/// springs have not followed the velocities of the moment.
+#[inline(always)]
+pub(super) fn limit_drag<G: Geometry>(
+    batch: &Batch<G, Memory>,
+    terms: &mut Terms,
+    parameters: impl Fn(usize) -> GranularParameters,
+) {
+    for l in batch.lanes() {
+        let limit = terms.strength[l] + parameters(l).friction * terms.grip[l];
+        let spring = [0, 1, 2].map(|k| batch.history[k][l]);
+        let both = cut(add_scaled(spring, 1.0, get(&terms.drag, l)), limit);
+        put(&mut terms.drag, l, add_scaled(both, -1.0, spring));
     }
 }

@@ -19,6 +19,8 @@ pub struct GranularParameters {
     pub densities: [f64; 2],
     /// Damping ratio of the normal spring that the restitution stands for; 0 without damping.
     pub damping_ratio: f64,
+    /// Whether the two bodies may be bonded: spheres, where bonds are on.
+    pub bondable: bool,
 }
 
 /// Lanes of what a contact's forces are made of. What an effect that is off would write, stays as
@@ -29,12 +31,19 @@ pub struct Terms {
     pub(super) stiffness: Lane,
     /// Force by which the surfaces push each other apart (N).
     pub(super) push: Lane,
+    /// Force by which they pull each other together, and the largest tension that they bear (N).
+    pub(super) pull: Lane,
+    pub(super) pull_off: Lane,
+    /// The least that spring and dashpot together may push (N).
+    pub(super) floor: Lane,
     /// Coefficient of the normal dashpot (N s/m).
     pub(super) dashpot: Lane,
     /// Force of the normal dashpot, positive where the bodies approach (N).
     pub(super) viscous: Lane,
     /// Normal force that friction and rolling resistance are proportional to (N).
     pub(super) grip: Lane,
+    /// Shear force that a bond bears beside friction (N).
+    pub(super) strength: Lane,
     /// Square of the contact radius over what it was a step before, where it has shrunk; else 1.
     pub(super) shrinkage: Lane,
     /// Shear force after the contact has turned, and the square of the factor that its length
@@ -52,9 +61,13 @@ impl Default for Terms {
         Terms {
             stiffness: ZERO_LANE,
             push: ZERO_LANE,
+            pull: ZERO_LANE,
+            pull_off: ZERO_LANE,
+            floor: ZERO_LANE,
             dashpot: ZERO_LANE,
             viscous: ZERO_LANE,
             grip: ZERO_LANE,
+            strength: ZERO_LANE,
             shrinkage: ZERO_LANE,
             turned: [ZERO_LANE; 3],
             ratio: ZERO_LANE,
