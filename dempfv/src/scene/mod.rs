@@ -5,6 +5,8 @@
 //! keys, how they are read, checked and written, what must hold, and the names of its effects. A
 //! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
+mod bonds;
+mod contacts;
 mod dem;
 mod difference;
 mod fluid;
@@ -25,6 +27,8 @@ mod walls;
 mod wrong;
 
 pub use crate::dem::WallControl;
+pub use bonds::Bonds;
+pub use contacts::{AdhesionModel, Contacts, NormalLaw, Turning};
 pub use dem::{Dem, TimeStep};
 pub(crate) use difference::stage_names;
 pub use difference::{Difference, differences};

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
+use super::bonds::{self, Bonds};
+use super::contacts::{self, Contacts};
 use super::dem::{self, Dem};
 use super::fluid::{self, Fluid};
 use super::keys::{Keyed, Keys};
@@ -25,12 +27,14 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 17] = [
+static SCHEMAS: [&Schema; 19] = [
     &plan::SCHEMA,
     &plan::BOX,
     &particles::SCHEMA,
     &sizes::SCHEMA,
     &walls::SCHEMA,
+    &contacts::SCHEMA,
+    &bonds::SCHEMA,
     &dem::SCHEMA,
     &fluid::SCHEMA,
     &fluid::PRESSURE,
@@ -97,6 +101,8 @@ impl Plan {
                     root.get("stage").and_then(|s| Some(s.items("").ok()?.get(i)?.at))
                 }
                 Place::Fluid => root.get("fluid").map(|v| v.at),
+                Place::Contacts => root.get("contacts").map(|v| v.at),
+                Place::Bonds => root.get("bonds").map(|v| v.at),
             };
             source.error(at.unwrap_or(0), fault.what, fault.remedy)
         })?;
@@ -146,6 +152,10 @@ impl Plan {
         }
         table("[particles]", self.particles.write());
         table("[walls]", self.walls.write());
+        if self.contacts != Contacts::default() {
+            table("[contacts]", self.contacts.write());
+        }
+        self.bonds.iter().for_each(|bonds| table("[bonds]", bonds.write()));
         self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
         self.fluid.iter().for_each(|fluid| table("[fluid]", fluid.write()));
         self.stages.iter().for_each(|stage| table("[[stage]]", stage.write()));
@@ -171,6 +181,8 @@ fn read(root: &Table) -> Result<Plan> {
     let particles = Particles::read_in(&particles, bounds.as_ref())?;
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
+    let contacts = read_or(root, "contacts", Contacts::default())?.unwrap_or_default();
+    let bonds = read_or(root, "bonds", Bonds::default())?;
     let dem = read_or(root, "dem", Dem::default())?;
     let fluid = read_or(root, "fluid", Fluid::default())?;
     let stages = read_stages(root, &Before { walls: &walls, has_fluid: fluid.is_some() })?;
@@ -178,7 +190,20 @@ fn read(root: &Table) -> Result<Plan> {
         Some(value) => read_output(&value, bounds.as_ref(), fluid.is_some())?,
         None => Output::default(),
     };
-    Ok(Plan { title, file, seed, bounds, particles, walls, dem, fluid, stages, output })
+    Ok(Plan {
+        title,
+        file,
+        seed,
+        bounds,
+        particles,
+        walls,
+        contacts,
+        bonds,
+        dem,
+        fluid,
+        stages,
+        output,
+    })
 }
 
 /// A table, where it is there: its defaults, and what it says otherwise.

@@ -43,7 +43,11 @@ pub(super) fn mechanics(
 ) -> Result<Dem> {
     let material = plan.particles.material;
     let particles = dem::Particles::new(position, radius, material.density);
-    Ok(Dem::new(particles, bounds, material, plan.walls.material, options(plan))?)
+    let (walls, options) = (plan.walls.material, options(plan));
+    Ok(match plan.granular_law()? {
+        Some(law) => Dem::with_law(law, particles, bounds, &[material], walls, options)?,
+        None => Dem::new(particles, bounds, material, walls, options)?,
+    })
 }
 
 pub(super) fn options(plan: &Plan) -> DemOptions {

@@ -8,9 +8,9 @@ use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities, then one for each of the `probes`, then the lowest and the highest stress
-/// on each of the `servos` of any step since the row before.
-pub fn columns(probes: usize, servos: &[WallId]) -> Vec<String> {
+/// per-wall quantities, then one for each of the plan's probes, then the lowest and the highest
+/// stress on each of the `servos` of any step since the row before, then the bonds, if any.
+pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -47,12 +47,16 @@ pub fn columns(probes: usize, servos: &[WallId]) -> Vec<String> {
     ] {
         names.extend(WallId::ALL.map(|w| format!("{quantity}_{w}_{unit}")));
     }
+    let probes = plan.output.probes.len();
     names.extend((1..=probes).map(|k| format!("probe_{k}_pressure_pa")));
     names.extend(
         servos
             .iter()
             .flat_map(|wall| ["lowest", "highest"].map(|end| format!("{end}_stress_{wall}_pa"))),
     );
+    if plan.bonds.is_some() {
+        names.extend(["intact_bonds", "broken_bonds"].map(str::to_owned));
+    }
     names
 }
 
@@ -103,6 +107,10 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();
     values.extend(servos.iter().flat_map(|&wall| extremes[wall].map(Value::from)));
+    if simulation.plan().bonds.is_some() {
+        let dem = simulation.coupled().dem();
+        values.extend([dem.intact_bonds(), dem.broken_bonds()].map(Value::from));
+    }
     for value in values {
         if let Value::Float(x) = value {
             // Sums of nothing are -0, which helps no reader.
