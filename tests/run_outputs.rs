@@ -43,6 +43,17 @@ fn a_dry_run_touches_no_fluid() {
     assert!(!header.contains(",-0.0"), "{}", rows[1]);
 }
 
+/// Energy by cause: what was done is what was dissipated and is there, but for a residual that is
+/// a small share of what was moved.
+fn energy_is_balanced(energy: &Value) {
+    let of = |key: &str| number(&energy[key]);
+    let works = ["fluid_work", "wall_work", "external_work"].map(of);
+    let losses = ["friction", "contact_damping", "rolling", "breakage", "local_damping"].map(of);
+    let moved: f64 = works.iter().chain(&losses).map(|e| e.abs()).sum();
+    assert!(moved > 0.0 && of("elastic") > 0.0, "{energy}");
+    assert!(of("residual").abs() < 1e-4 * moved, "{energy}");
+}
+
 /// Every key that others rely on, with the kind of value that the contract
 /// gives it, and what the numbers must add up to.
 #[test]
@@ -58,6 +69,7 @@ fn a_summary_has_what_was_promised() {
         assert!(number(&s[key]) > 0.0, "{key}");
     }
     assert_eq!((&s["particles"], &s["threads"]), (&120.into(), &2.into()));
+    energy_is_balanced(&s["energy"]);
     assert_eq!((&s["solver"], &s["finished"]), (&"auto".into(), &true.into()));
     assert_eq!(s["solved_by"], "cholmod", "too small for the frontal solver");
     let stage = &s["stages"][0];

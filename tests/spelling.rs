@@ -49,7 +49,16 @@ fn a_wrong_spelling_is_told_with_the_right_one() {
         ("steps = 1000", "steps = -1e3", 13, "is -1e3; give a whole number of 1 or more"),
         // Which whole number a float above 2⁵³ is, it does not say.
         ("steps = 1000", "steps = 1e16", 13, "is 1e16; give a whole number"),
-        ("steps = 1000", "steps = \"1000\"", 13, "is a text (\"1000\"); give a whole number"),
+        (
+            "steps = 1000",
+            "steps = \"1000\"",
+            13,
+            "is a text (\"1000\"); give a whole number of 1 or more, without quotes: 1000",
+        ),
+        ("1.0e-3", "1e-3Pa·s", 9, "write the number without `Pa·s`"),
+        ("1.0e-3", "\u{2212}1e-3", 9, "write the number as -0.001"),
+        ("y_max = 0.0", "y_max = \"5 kPa\"", 10, "in Pa, without quotes and without `kPa`"),
+        ("[dem]", "[dem]\ndt = \"1e-5\"", 8, "s, or \"auto\", without quotes: 1e-5"),
     ] {
         let output = checked(&folder, old, new);
         let message = error(&output);

@@ -77,6 +77,16 @@ impl Error {
         Error::Io(IoError::file(path, source))
     }
 
+    /// The same error without the cause that it takes for likely: whoever asks knows a better one.
+    pub(crate) fn without_cause(self) -> Error {
+        match self {
+            Error::Dem(DemError::LeftBox { particle, wall, speed, radii, .. }) => {
+                DemError::LeftBox { particle, wall, speed, radii, cause: None }.into()
+            }
+            other => other,
+        }
+    }
+
     /// True when what the user wrote is wrong (the program exits with 2),
     /// false when the simulation cannot go on (3).
     pub fn is_input(&self) -> bool {

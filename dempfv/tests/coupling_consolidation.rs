@@ -190,6 +190,27 @@ fn a_pressure_outside_is_no_load() {
     assert!((a - b).abs() < 0.02, "{a} {b}");
 }
 
+/// A load that comes in a time which is not short beside that of the consolidation is told with
+/// both times; one that is put on at once is not. At 1 mm/s it takes 0.60 s, and d²/c_v is 0.71 s;
+/// at 100 mm/s less than a hundredth of that.
+#[test]
+fn a_load_that_arrives_late_is_told() {
+    let warnings = |max_velocity: &str| {
+        let text = oedometer(100, 1.0).replace("max_velocity = 0.1", max_velocity);
+        let mut simulation = start(&text);
+        finish(&mut simulation);
+        let (c, warnings) = (consolidation(&simulation).clone(), simulation.warnings());
+        let time = c.drainage_path_m.powi(2) / c.c_v_m2_s;
+        (format!("d²/c_v is {time:.3e} s"), warnings)
+    };
+    let (_, at_once) = warnings("max_velocity = 0.1");
+    assert!(!at_once.iter().any(|w| w.contains("nine tenths")), "{at_once:?}");
+    let (time, late) = warnings("max_velocity = 1e-3");
+    let told =
+        late.iter().find(|w| w.contains("nine tenths")).unwrap_or_else(|| panic!("{late:?}"));
+    assert!(told.contains("were there after") && told.contains(&time), "{told}");
+}
+
 /// A load that never arrives is told: the wall may hardly move.
 #[test]
 fn a_load_that_does_not_arrive_is_told() {
@@ -198,4 +219,5 @@ fn a_load_that_does_not_arrive_is_told() {
     finish(&mut simulation);
     let warnings = simulation.warnings();
     assert!(warnings.iter().any(|w| w.contains("the servo on y_max")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.contains("were there at no time")), "{warnings:?}");
 }

@@ -91,14 +91,14 @@ fn a_sphere_that_leaves_is_named() {
     };
     let radius = dem.storage().radius[dem.storage().id.iter().position(|&i| i == 20).unwrap()];
     assert!((speed / 1e5 - 1.0).abs() < 1e-9 && (radii / (10.0 / radius) - 1.0).abs() < 1e-9);
-    assert_eq!(cause, Leaving::FastSphere);
+    assert_eq!(cause, Some(Leaving::FastSphere));
 
     // A wall that goes over a sphere at rest.
     let mut dem = make(cloud(50, 1)).unwrap();
     dem.set_control(WallId::XMin, WallControl::Velocity(5e3)).unwrap();
     let error = (0..10).find_map(|_| dem.step(1e-4).err()).unwrap();
     let DemError::LeftBox { wall, cause, .. } = error else { panic!("{error}") };
-    assert_eq!((wall, cause), (WallId::XMin, Leaving::FastWall));
+    assert_eq!((wall, cause), (WallId::XMin, Some(Leaving::FastWall)));
 
     // A weight that the contact cannot carry.
     let heavy = DemOptions { gravity: Some(Vec3::new(0.0, 0.0, -2e4)), ..DemOptions::default() };

@@ -100,7 +100,11 @@ fn a_step_above_the_limit_is_named_as_the_cause() {
     };
     let Error::AtStep { source, .. } = &error else { panic!("{error}") };
     assert!(matches!(**source, Error::Unstable { .. }), "{error}");
-    assert!(error.to_string().contains("the likely cause: the time step of"), "{error}");
+    let message = error.to_string();
+    assert!(message.contains("the likely cause: the time step of"), "{message}");
+    // The sphere that has left is told, and no second cause.
+    assert!(message.contains("has gone through the wall"), "{message}");
+    assert_eq!(message.matches("likely cause").count(), 1, "{message}");
 }
 
 /// One sphere dropped on the floor without damping keeps its energy within 0.5 % over ten bounces:

@@ -233,10 +233,22 @@ fn a_restart_continues_the_history_after_the_checkpoint() {
     fs::write(&path, format!("{whole}1.0,1")).unwrap();
     drop(History::resume(&path, &columns, "step", 100).unwrap());
     assert_eq!(fs::read_to_string(&path).unwrap(), whole);
-    // Other columns: refused and left alone.
-    let error = History::resume(&path, &["step"], "step", 6).unwrap_err();
-    assert!(error.is_input() && error.to_string().contains("history.csv:1: "), "{error}");
-    assert_eq!(fs::read_to_string(&path).unwrap(), whole);
+    // Other columns: refused with what has changed, and left alone.
+    for (others, told) in [
+        (&["step"][..], "the run has no `time_s`;"),
+        (&["time_s", "step", "probe_0_pa"], "the table has no `probe_0_pa`;"),
+        (
+            &["step", "a", "b", "c", "d", "e"],
+            "has `time_s` where the run has `a`, `b`, `c`, `d` and 1 more;",
+        ),
+        (&["step", "time_s"], "in another order;"),
+    ] {
+        let error = History::resume(&path, others, "step", 6).unwrap_err();
+        let message = error.to_string();
+        assert!(error.is_input() && message.contains("history.csv:1: "), "{message}");
+        assert!(message.contains(told) && message.contains("probes"), "{message}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), whole);
+    }
     // No file: a new table.
     let fresh = path.with_file_name("fresh.csv");
     drop(History::resume(&fresh, &columns, "step", 6).unwrap());

@@ -223,6 +223,7 @@ gravity = [0.1, -9.81, 0.0]
 rotation = false
 [fluid]
 viscosity = 1.7e-3
+bulk_modulus = 2.2e9
 remesh_interval = 77
 remesh_strain = 0.013
 remesh = "background"
@@ -290,6 +291,7 @@ history_every = 13
 vtk_every = 17
 checkpoint_every = 19
 pictures = false
+energy = false
 probes = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
 "#;
 

@@ -124,6 +124,32 @@ fn another_load_and_motion_of_walls_are_used() {
     assert_eq!(still.coupled().dem().box_(), before);
 }
 
+/// What stages take over from `[walls]` is one change, wherever it came from: a value for none, and
+/// another value. A stage's own value is told by itself.
+#[test]
+fn a_changed_default_is_told_once() {
+    let squeezed = squeezed();
+    let walls = "[walls]\n        friction_angle = 0.0";
+    let with = |velocity: &str| format!("{walls}\n        max_velocity = {velocity}");
+    let state = state_in(&squeezed, "load", 50);
+    let changed = restart(&squeezed, &state, walls, &with("0.05")).unwrap();
+    assert_eq!(only_change(&changed).0, "walls.max_velocity");
+
+    let text = squeezed.replacen(walls, &with("0.05"), 1);
+    let state = state_in(&text, "load", 50);
+    let changed = restart(&text, &state, "max_velocity = 0.05", "max_velocity = 0.02").unwrap();
+    let (key, effect, said) = only_change(&changed);
+    assert_eq!((key.as_str(), effect), ("walls.max_velocity", Effect::Used));
+    assert!(said.contains("is 0.02, was 0.05"), "{said}");
+
+    let own = text.replacen("{ stress = 1.1e4 }", "{ stress = 1.1e4, max_velocity = 0.03 }", 1);
+    let both = own.replacen("max_velocity = 0.05", "max_velocity = 0.02", 1);
+    let both = Simulation::restart(plan(&both), state).unwrap();
+    let keys: Vec<&str> =
+        both.restarted().unwrap().changed.iter().map(|c| c.key.as_str()).collect();
+    assert_eq!(keys, ["stage.load.walls.y_max.max_velocity", "walls.max_velocity"]);
+}
+
 /// Fluid of a stage under way, damping, friction, time step and drainage: each is there in the
 /// first step.
 #[test]
@@ -423,11 +449,11 @@ fn an_earlier_format_is_refused() {
     checkpoint::save(&file, &7_u64).unwrap();
     let mut bytes = std::fs::read(&file).unwrap();
     // The format's number stands behind the eight magic bytes.
-    bytes[8] = 6;
+    bytes[8] = 7;
     std::fs::write(&file, bytes).unwrap();
     let error = checkpoint::load::<u64>(&file).unwrap_err().to_string();
     std::fs::remove_file(&file).unwrap();
-    assert!(error.contains("format 6") && error.contains("format 7"), "{error}");
+    assert!(error.contains("format 7") && error.contains("format 8"), "{error}");
     assert!(error.contains("begin the run anew"), "{error}");
 }
 

@@ -36,6 +36,9 @@ pub const PRESSURE_ERROR: f64 = 1e-6;
 /// Applications of its factor in one solve by which a network is exhausted.
 const EXHAUSTING_APPLICATIONS: u32 = 24;
 
+/// A time step so many times as long or as short as the one that the factor is for, too.
+const EXHAUSTING_STEP_RATIO: f64 = 2.0;
+
 /// A network, and what a checkpoint must know of it.
 pub(super) struct ActiveNetwork {
     pub flow: Flow,
@@ -57,6 +60,7 @@ impl ActiveNetwork {
         if let Some(geometry) = &motion.geometry {
             phases.time(Phase::Update, || self.update_geometry(geometry))?;
         }
+        self.set_time_step(motion.dt, phases)?;
         let ActiveNetwork { flow, state, iterations, .. } = self;
         phases
             .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
@@ -65,6 +69,8 @@ impl ActiveNetwork {
             let known = &mut state.resistance[wall];
             if motion.servo[wall.index()] && known.is_none() {
                 *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
+                state.persistence[wall] =
+                    phases.time(Phase::Solve, || flow.wall_persistence(wall))?;
             }
         }
         if motion.geometry.is_some() {
@@ -75,11 +81,30 @@ impl ActiveNetwork {
         } else {
             phases.time(Phase::Solve, || flow.update_pressure())?;
         }
+        let solved = state.since > 0;
+        state.wall_force_before = solved.then(|| *flow.wall_force());
         phases.time(Phase::FluidForces, || flow.update_force());
         for (change, rate) in state.volume_change.iter_mut().zip(flow.volume_rate()) {
             *change += rate * motion.dt;
         }
         state.since += 1;
+        Ok(())
+    }
+
+    /// Says how long the step is (s): pores that store fluid make the matrix go with it.
+    pub fn set_time_step(&mut self, dt: f64, phases: &mut Phases) -> Result<()> {
+        let ActiveNetwork { flow, state, .. } = self;
+        let Some(before) = flow.time_step() else { return Ok(()) };
+        if state.followed.is_some() {
+            // The factor stays, so that a checkpoint can build it again.
+            flow.set_time_step(dt)?;
+            let ratio = dt / state.snapshot.time_step;
+            state.exhausted |=
+                !(1.0 / EXHAUSTING_STEP_RATIO..=EXHAUSTING_STEP_RATIO).contains(&ratio);
+        } else if dt != before && phases.time(Phase::Factor, || flow.set_time_step(dt))? {
+            state.snapshot.time_step = dt;
+            state.resistance = PerWall::default();
+        }
         Ok(())
     }
 
@@ -109,7 +134,11 @@ impl ActiveNetwork {
         if let Some(Followed { position, bounds }) = &state.followed {
             flow.update_geometry(position, bounds)?;
         }
+        if let Some(time_step) = state.time_step {
+            flow.set_time_step(time_step)?;
+        }
         flow.restore_pressures(&state.extrapolation, &state.volume_rate)?;
+        flow.restore_taken(&state.taken);
         if flow.solved_by() != state.solved_by.as_deref() {
             flow.forget_gain();
         }
@@ -136,6 +165,16 @@ impl ActiveNetwork {
         pore.copied().unwrap_or(f64::NAN)
     }
 
+    /// The fluid's force on each wall in the step to come, all else at rest (N). What pores store
+    /// outlives a step, so that a force which grows goes on growing by its share; where nothing
+    /// is stored, the force of the moment.
+    pub fn expected_wall_force(&self) -> [Vec3; 6] {
+        let now = *self.flow.wall_force();
+        let Some(before) = self.state.wall_force_before else { return now };
+        let share = &self.state.persistence.0;
+        std::array::from_fn(|w| now[w] + share[w] * (now[w] - before[w]))
+    }
+
     /// What the fluid takes off the outward force on a wall (first index) per outward velocity
     /// of another (N·s/m); 0 where nobody asked.
     pub fn resistance(&self) -> PerWall<PerWall<f64>> {
@@ -148,6 +187,8 @@ impl ActiveNetwork {
         FluidState {
             extrapolation: self.flow.extrapolation().clone(),
             volume_rate: self.flow.volume_rate().to_vec(),
+            taken: self.flow.taken().to_vec(),
+            time_step: self.flow.time_step(),
             solved_by: self.flow.solved_by().map(str::to_owned),
             ..self.state.clone()
         }

@@ -91,6 +91,11 @@ impl Controls<'_> {
         self.coupled.dem.add_torque(number, torque);
     }
 
+    /// Begins to track energy by cause, or ends it; see [`Dem::track_energy`].
+    pub fn track_energy(&mut self, on: bool) {
+        self.coupled.dem.track_energy(on);
+    }
+
     /// Velocities (m/s) and spins (rad/s), in storage order.
     pub fn storage_velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
         self.coupled.dem.storage_velocities_mut()

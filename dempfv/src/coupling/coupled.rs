@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
 use super::counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 use super::error::{Result, positive};
+use super::fluid_effects::FluidEffects;
 use super::fluid_state::FluidState;
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
@@ -37,16 +38,19 @@ const SPINNING_SPHERES: usize = 2_000;
 pub struct Coupled {
     pub(super) dem: Dem,
     pub(super) saturation: Option<Saturation>,
+    pub(super) effects: FluidEffects,
     pub(super) remesher: Remesher,
     /// Points whose pore pressure is of interest (m).
     pub(super) probes: Vec<Vec3>,
     /// Steps done.
     pub(super) steps: u64,
+    /// Length of the last one (s); 0 before the first.
+    pub(super) last_time_step: f64,
     pub(super) largest_residual: f64,
     pub(super) largest_imbalance: f64,
     update_counts: UpdateCounts,
     unmet_tolerance: UnmetTolerance,
-    phases: Phases,
+    pub(super) phases: Phases,
     pub(super) auto_time_step: AutoTimeStep,
     overlap: OverlapBuffers,
 }
@@ -64,9 +68,11 @@ impl Coupled {
         Coupled {
             dem,
             saturation: None,
+            effects: FluidEffects::default(),
             remesher: Remesher::new(),
             probes: vec![],
             steps: 0,
+            last_time_step: 0.0,
             largest_residual: 0.0,
             largest_imbalance: 0.0,
             update_counts: UpdateCounts::default(),
@@ -89,6 +95,20 @@ impl Coupled {
             self.remesher.outdate();
         }
         self.saturation = Some(saturation);
+    }
+
+    /// Says what the fluid does beside flowing, incompressible and without weight, between walls.
+    /// The network is built anew at the next step where that is something else than before.
+    pub fn set_fluid_effects(&mut self, effects: FluidEffects) {
+        if self.effects != effects {
+            self.remesher.outdate();
+        }
+        self.effects = effects;
+    }
+
+    /// What the fluid does beside flowing.
+    pub fn fluid_effects(&self) -> &FluidEffects {
+        &self.effects
     }
 
     /// Empties the pores: no fluid from the next step on. A network that is
@@ -149,7 +169,7 @@ impl Coupled {
             let Coupled { dem, phases, .. } = self;
             phases.time(Phase::Contacts, || dem.compute_contacts())?;
             let before = Instant::now();
-            self.prepare_network(&saturation)?;
+            self.prepare_network(&saturation, dt)?;
             self.remesher.begin_step();
             // A step's own time is without its remesh.
             start += before.elapsed();
@@ -168,16 +188,19 @@ impl Coupled {
         self.integrate(dt)?;
         self.remesher.stepped(start.elapsed());
         self.steps += 1;
+        self.last_time_step = dt;
         Ok(())
     }
 
-    /// Sees to it that the next step has its network, once.
-    fn prepare_network(&mut self, saturation: &Saturation) -> Result<()> {
+    /// Sees to it that the next step, of this length (s) as far as it is known, has its network,
+    /// once.
+    fn prepare_network(&mut self, saturation: &Saturation, time_step: f64) -> Result<()> {
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
         }
-        let Coupled { dem, phases, remesher, probes, .. } = self;
-        remesher.prepare(RemeshContext { dem, saturation, step: self.steps }, phases)?;
+        let Coupled { dem, phases, remesher, probes, effects, .. } = self;
+        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step };
+        remesher.prepare(context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);
         }
@@ -237,8 +260,8 @@ impl Coupled {
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
         let (force, wall_force) =
-            network.map(|network| (network.flow.force(), network.flow.wall_force())).unzip();
-        let wall_force = wall_force.copied().map(PerWall::from);
+            network.map(|network| (network.flow.force(), network.expected_wall_force())).unzip();
+        let wall_force = wall_force.map(PerWall::from);
         phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
         Ok(())
     }
@@ -253,7 +276,8 @@ impl Coupled {
     /// As a remesh, or when a solve fails.
     pub fn update_viscous_mode(&mut self, exact: bool) -> Result<bool> {
         let Some(saturation) = self.saturation else { return Ok(false) };
-        self.prepare_network(&saturation)?;
+        let time_step = self.expected_time_step();
+        self.prepare_network(&saturation, time_step)?;
         let Coupled { dem, phases, remesher, .. } = self;
         let Some(network) =
             remesher.current.as_mut().filter(|network| !network.state.fastest.is_current(dem))
@@ -412,8 +436,9 @@ impl Coupled {
         saturation: &Saturation,
         state: FluidState,
     ) -> Result<()> {
-        let Coupled { dem, phases, remesher, probes, .. } = self;
-        let context = RemeshContext { dem, saturation, step: self.steps };
+        let Coupled { dem, phases, remesher, probes, effects, .. } = self;
+        let time_step = self.last_time_step;
+        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step };
         remesher.restore(state, context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);

@@ -17,11 +17,13 @@ pub(super) struct Snapshot {
     pub bounds: Aabb,
     /// Steps done before.
     pub step: u64,
+    /// Length of the steps that its matrix is for (s); of no account where no pore stores fluid.
+    pub time_step: f64,
 }
 
 impl Snapshot {
-    pub fn of(dem: &Dem, step: u64) -> Snapshot {
-        Snapshot { position: dem.storage().position.clone(), bounds: dem.box_(), step }
+    pub fn of(dem: &Dem, step: u64, time_step: f64) -> Snapshot {
+        Snapshot { position: dem.storage().position.clone(), bounds: dem.box_(), step, time_step }
     }
 }
 
@@ -39,9 +41,18 @@ pub(super) struct FluidState {
     pub volume_change: Vec<f64>,
     /// Rate at which each pore grew in the last step (m³/s).
     pub volume_rate: Vec<f64>,
+    /// What each pore took up in the last step (m³/s); empty where it only grew.
+    pub taken: Vec<f64>,
+    /// Length of the last step (s), where pores store fluid.
+    pub time_step: Option<f64>,
     /// The fluid's resistance to each wall that a servo held (N·s/m), once it
     /// is known for this network ([`Flow::wall_resistance`](crate::pfv::Flow::wall_resistance)).
     pub resistance: PerWall<Option<PerWall<f64>>>,
+    /// Share of the fluid's force on each such wall that outlives a step at rest
+    /// ([`Flow::wall_persistence`](crate::pfv::Flow::wall_persistence)).
+    pub persistence: PerWall<f64>,
+    /// The fluid's force on each wall in the step before the last (N), in this network.
+    pub wall_force_before: Option<[Vec3; 6]>,
     /// The network cannot follow the spheres any further.
     pub exhausted: bool,
     /// The pressures that the next solve goes on from.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::Result;
+use super::fluid_effects::FluidEffects;
 use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
 use crate::solver::{Backend, Solver, SolverKind};
 use crate::{Aabb, Vec3};
@@ -18,6 +19,10 @@ pub struct NetworkRequest {
     pub bounds: Aabb,
     /// The fluid and its boundary conditions.
     pub fluid: Fluid,
+    /// What else it does.
+    pub effects: FluidEffects,
+    /// Length of the step that the network is for (s); of no account where no pore stores fluid.
+    pub time_step: f64,
     /// The linear solver.
     pub solver: SolverKind,
     /// A factor that is no longer needed.
@@ -67,11 +72,13 @@ impl NetworkBuilder for BackendBuilder {
 
 fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Result<Option<Flow>> {
     let stop = || cancelled.load(Ordering::Relaxed);
-    let NetworkRequest { position, radius, bounds, fluid, reusable, .. } = request;
+    let NetworkRequest { position, radius, bounds, fluid, effects, time_step, reusable, .. } =
+        request;
     if stop() {
         return Ok(None);
     }
-    let assembled = Assembled::new(&position, &radius, bounds, &fluid)?;
+    let terms = effects.step_terms(time_step)?;
+    let assembled = Assembled::with_terms(&position, &radius, bounds, &fluid, &[], terms)?;
     drop((position, radius));
     if stop() {
         return Ok(None);

@@ -9,6 +9,7 @@ use super::auto_interval::AutoInterval;
 use super::background::{Answer, Ticket, Worker, complete, guarded};
 use super::counts::RemeshCounts;
 use super::error::Result;
+use super::fluid_effects::FluidEffects;
 use super::fluid_state::Snapshot;
 use super::network_builder::{NetworkBuilder, NetworkRequest, StandardBuilder};
 use super::phases::{Phase, Phases};
@@ -21,8 +22,11 @@ use crate::pfv::{Flow, ReusableAnalysis};
 pub(super) struct RemeshContext<'a> {
     pub dem: &'a Dem,
     pub saturation: &'a Saturation,
+    pub effects: &'a FluidEffects,
     /// Steps done.
     pub step: u64,
+    /// Length of the step to come, as far as it is known (s).
+    pub time_step: f64,
 }
 
 /// Builds networks, here or in the background.
@@ -62,6 +66,8 @@ impl NetworkSource {
             radius: context.dem.storage().radius.clone(),
             bounds: snapshot.bounds,
             fluid: context.saturation.fluid,
+            effects: context.effects.clone(),
+            time_step: snapshot.time_step,
             solver: context.saturation.solver,
             reusable: self.reusable.take(),
         }

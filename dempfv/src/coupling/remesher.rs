@@ -226,7 +226,8 @@ impl Remesher {
                 if !due.half {
                     return Ok(());
                 }
-                self.pending = Some(Pending::new(Snapshot::of(context.dem, context.step)));
+                self.pending =
+                    Some(Pending::new(Snapshot::of(context.dem, context.step, context.time_step)));
                 self.submit(context)?;
             }
             // Once a step at most, however fast the background is.
@@ -322,7 +323,7 @@ impl Remesher {
     /// Builds the network of the moment in the place of the one in use.
     fn build_here(&mut self, context: RemeshContext, phases: &mut Phases) -> Result<()> {
         self.make_room();
-        let snapshot = Snapshot::of(context.dem, context.step);
+        let snapshot = Snapshot::of(context.dem, context.step, context.time_step);
         let flow = self
             .source
             .build(&snapshot, context, phases)
@@ -365,7 +366,11 @@ impl Remesher {
             since: 0,
             volume_change,
             volume_rate: vec![],
+            taken: vec![],
+            time_step: None,
             resistance: PerWall::default(),
+            persistence: PerWall::default(),
+            wall_force_before: None,
             exhausted: false,
             extrapolation: Extrapolation::default(),
             solved_by: None,

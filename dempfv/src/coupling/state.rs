@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::coupled::Coupled;
 use super::error::{CouplingError, Result};
+use super::fluid_effects::FluidEffects;
 use super::fluid_state::FluidState;
 use super::network_builder::{NetworkBuilder, StandardBuilder};
 use super::options::Acceleration;
@@ -18,7 +19,7 @@ use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, WallMateria
 /// What a [`CoupledState`] says it is.
 const KIND: &str = "dempfv coupled state";
 /// To be raised when a state would no longer mean the same.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// What spheres and fluid are, and how they are computed: all that a caller
 /// chooses, and may choose anew where a state is taken up.
@@ -32,6 +33,8 @@ pub struct Parameters {
     pub options: DemOptions,
     /// The fluid; `None` where the pores are empty.
     pub saturation: Option<Saturation>,
+    /// What the fluid does beside flowing.
+    pub effects: FluidEffects,
     /// How networks are renewed.
     pub acceleration: Acceleration,
     /// What a solve may leave (1); `None` for the flow's own.
@@ -60,6 +63,7 @@ pub(crate) struct Progress {
     fluid: Option<FluidState>,
     time_step: AutoTimeStep,
     steps: u64,
+    last_time_step: f64,
     largest_residual: f64,
     largest_imbalance: f64,
 }
@@ -130,6 +134,7 @@ impl Coupled {
                 wall_material: *self.dem.wall_material(),
                 options: *self.dem.options(),
                 saturation: self.saturation,
+                effects: self.effects.clone(),
                 acceleration: *self.acceleration(),
                 tolerance: self.remesher.tolerance(),
                 probes: self.probes.clone(),
@@ -140,6 +145,7 @@ impl Coupled {
                 fluid: self.remesher.state(),
                 time_step: self.auto_time_step,
                 steps: self.steps,
+                last_time_step: self.last_time_step,
                 largest_residual: self.largest_residual,
                 largest_imbalance: self.largest_imbalance,
             },
@@ -211,14 +217,17 @@ impl Coupled {
         }
         coupled.watch(parameters.probes);
         coupled.saturation = parameters.saturation;
+        coupled.effects = parameters.effects;
         Ok((coupled, progress))
     }
 
     /// Second half of [`Coupled::from_state`]: the network, and how far it all
     /// has come.
     pub(crate) fn take_up(&mut self, progress: Progress) -> Result<()> {
-        let Progress { fluid, time_step, steps, largest_residual, largest_imbalance } = progress;
+        let Progress { fluid, time_step, steps, last_time_step, .. } = progress;
+        let Progress { largest_residual, largest_imbalance, .. } = progress;
         self.steps = steps;
+        self.last_time_step = last_time_step;
         self.largest_residual = largest_residual;
         self.largest_imbalance = largest_imbalance;
         self.auto_time_step = time_step;

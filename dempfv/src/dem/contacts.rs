@@ -104,7 +104,7 @@ impl Dem {
         spheres.chain(walls).filter(move |place| !beyond || acts(place))
     }
 
-    fn sphere_place<'a>(&self, pair: [u32; 2], history: &'a [f64]) -> Place<'a> {
+    pub(super) fn sphere_place<'a>(&self, pair: [u32; 2], history: &'a [f64]) -> Place<'a> {
         let p = &self.particles;
         let [i, j] = pair.map(|k| k as usize);
         let apart = p.position[j] - p.position[i];
@@ -118,7 +118,11 @@ impl Dem {
         Place { i, other: Other::Sphere(j), normal: apart / distance, distance, touch, history }
     }
 
-    fn wall_place<'a>(&self, WallPair { i, wall }: WallPair, history: &'a [f64]) -> Place<'a> {
+    pub(super) fn wall_place<'a>(
+        &self,
+        WallPair { i, wall }: WallPair,
+        history: &'a [f64],
+    ) -> Place<'a> {
         let i = i as usize;
         let plane = self.walls[wall].position;
         let distance = (self.particles.position[i][wall.axis()] - plane) * wall.inward();

@@ -121,7 +121,8 @@ pub enum DemError {
     /// The centre of a particle has gone through a wall.
     #[error(
         "particle {particle} has gone through the wall {wall}, at {speed:.3e} m/s towards each other, {radii:.2} of \
-         its radii in the last step; the likely cause: {cause}"
+         its radii in the last step{}",
+        likely(cause)
     )]
     LeftBox {
         /// The user's number of the particle.
@@ -132,8 +133,8 @@ pub enum DemError {
         speed: f64,
         /// How far that took it in the last step, in radii.
         radii: f64,
-        /// Why, most likely.
-        cause: Leaving,
+        /// Why, most likely; `None` where another cause is told beside it.
+        cause: Option<Leaving>,
     },
     /// Two particles share one centre: their contact has no direction.
     #[error("particles {first} and {second} have the same centre")]
@@ -203,6 +204,11 @@ pub enum Leaving {
     FastServo,
     /// Neither does: forces are too large for the stiffness, or a wall leaves no room.
     Pressed,
+}
+
+/// The end of a sentence that says why a sphere has left its box.
+fn likely(cause: &Option<Leaving>) -> String {
+    cause.map_or_else(String::new, |cause| format!("; the likely cause: {cause}"))
 }
 
 impl std::fmt::Display for Leaving {

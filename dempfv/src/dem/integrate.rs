@@ -3,6 +3,7 @@
 use super::damping::LocalDamping;
 use super::error::DemError;
 use super::external::ExternalLoads;
+use super::ledger::MotionWork;
 use super::particles::Particles;
 use crate::Vec3;
 use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
@@ -12,6 +13,8 @@ use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 pub(super) struct Step {
     /// Time step (s).
     pub dt: f64,
+    /// Length of the step before (s): work is done over half the way of each.
+    pub last_dt: f64,
     /// Local damping.
     pub damping: LocalDamping,
     /// Gravity (m/s²).
@@ -46,6 +49,8 @@ struct Found {
 /// x += v Δt, and the same for spins. Returns the farthest way that a sphere
 /// went (m).
 ///
+/// `work` has room for what each block's forces do, or is empty where that is not tracked.
+///
 /// # Errors
 /// [`DemError::NotFinite`] names the first particle that is not finite.
 pub(super) fn advance(
@@ -53,6 +58,7 @@ pub(super) fn advance(
     centre: &mut [[f64; 4]],
     loads: Loads<'_>,
     step: Step,
+    work: &mut [MotionWork],
 ) -> Result<f64, DemError> {
     let span = MoveSpan {
         position: &mut particles.position,
@@ -65,11 +71,12 @@ pub(super) fn advance(
         fluid: loads.fluid.unwrap_or(&[]),
         external_force: loads.external.map_or(&[], |e| &e.force),
         external_torque: loads.external.map_or(&[], |e| &e.torque),
+        work,
     };
     let external = loads.external.is_some();
     let arch = pulp::Arch::new();
-    let work = |span: MoveSpan<'_>| arch.dispatch(Advance { span, step: &step, external });
-    let found = for_blocks(span, &work, &|a: Found, b: Found| Found {
+    let run = |span: MoveSpan<'_>| arch.dispatch(Advance { span, step: &step, external });
+    let found = for_blocks(span, &run, &|a: Found, b: Found| Found {
         fastest2: a.fastest2.max(b.fastest2),
         finite: a.finite & b.finite,
     });
@@ -94,6 +101,8 @@ struct MoveSpan<'a> {
     /// Empty without external loads.
     external_force: &'a [Vec3],
     external_torque: &'a [Vec3],
+    /// Empty where work is not tracked.
+    work: &'a mut [MotionWork],
 }
 
 impl Span for MoveSpan<'_> {
@@ -113,6 +122,7 @@ impl Span for MoveSpan<'_> {
         let fluid = cut(self.fluid, n);
         let external_force = cut(self.external_force, n);
         let external_torque = cut(self.external_torque, n);
+        let work = cut_mut(self.work, blocks);
         (
             MoveSpan {
                 position: position.0,
@@ -125,6 +135,7 @@ impl Span for MoveSpan<'_> {
                 fluid: fluid.0,
                 external_force: external_force.0,
                 external_torque: external_torque.0,
+                work: work.0,
             },
             MoveSpan {
                 position: position.1,
@@ -137,6 +148,7 @@ impl Span for MoveSpan<'_> {
                 fluid: fluid.1,
                 external_force: external_force.1,
                 external_torque: external_torque.1,
+                work: work.1,
             },
         )
     }
@@ -155,18 +167,26 @@ impl pulp::NullaryFnOnce for Advance<'_> {
 
     #[inline(always)]
     fn call(self) -> Found {
-        match (self.step.rotation, self.external) {
-            (true, false) => self.span.advance::<true, false>(self.step),
-            (false, false) => self.span.advance::<false, false>(self.step),
-            (true, true) => self.span.advance::<true, true>(self.step),
-            (false, true) => self.span.advance::<false, true>(self.step),
+        let Advance { span, step, external } = self;
+        match (step.rotation, external, !span.work.is_empty()) {
+            (true, false, false) => span.advance::<true, false, false>(step),
+            (false, false, false) => span.advance::<false, false, false>(step),
+            (true, true, false) => span.advance::<true, true, false>(step),
+            (false, true, false) => span.advance::<false, true, false>(step),
+            (true, false, true) => span.advance::<true, false, true>(step),
+            (false, false, true) => span.advance::<false, false, true>(step),
+            (true, true, true) => span.advance::<true, true, true>(step),
+            (false, true, true) => span.advance::<false, true, true>(step),
         }
     }
 }
 
 impl MoveSpan<'_> {
     #[inline(always)]
-    fn advance<const ROTATION: bool, const EXTERNAL: bool>(self, step: &Step) -> Found {
+    fn advance<const ROTATION: bool, const EXTERNAL: bool, const WORK: bool>(
+        self,
+        step: &Step,
+    ) -> Found {
         let dt = step.dt;
         let mut found = Found { fastest2: 0, finite: true };
         for k in 0..self.position.len() {
@@ -179,8 +199,18 @@ impl MoveSpan<'_> {
             }
             let inverse_mass = 1.0 / self.mass[k];
             let mut a = inverse_mass * force + step.gravity;
+            let undamped = a;
             step.damping.damp(&mut a, &self.velocity[k], dt);
             let v = self.velocity[k] + dt * a;
+            if WORK {
+                let work = &mut self.work[k / BLOCK];
+                let way = 0.5 * (step.last_dt * self.velocity[k] + dt * v);
+                work.damping += self.mass[k] * (undamped - a).dot(&way);
+                work.fluid += self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way));
+                if EXTERNAL {
+                    work.external += self.external_force[k].dot(&way);
+                }
+            }
             let [x, y, z, radius] = self.centre[k];
             let x = Vec3::new(x, y, z) + dt * v;
             self.velocity[k] = v;
@@ -196,8 +226,18 @@ impl MoveSpan<'_> {
                 }
                 // I = 2/5 m r²
                 let mut a = (2.5 * inverse_mass / (radius * radius)) * torque;
+                let undamped = a;
                 step.damping.damp(&mut a, &self.spin[k], dt);
                 let spin = self.spin[k] + dt * a;
+                if WORK {
+                    let work = &mut self.work[k / BLOCK];
+                    let turn = 0.5 * (step.last_dt * self.spin[k] + dt * spin);
+                    let inertia = 0.4 * self.mass[k] * radius * radius;
+                    work.damping += inertia * (undamped - a).dot(&turn);
+                    if EXTERNAL {
+                        work.external += self.external_torque[k].dot(&turn);
+                    }
+                }
                 self.spin[k] = spin;
                 sum += spin.norm_squared();
             }

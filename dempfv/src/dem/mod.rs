@@ -34,11 +34,13 @@
 
 mod bonding;
 mod by_number;
+mod changes;
 mod cloud;
 mod compiled;
 mod contact_forces;
 mod contacts;
 mod damping;
+mod energy;
 mod error;
 mod external;
 mod grid;
@@ -46,6 +48,7 @@ mod growth;
 mod hilbert;
 mod integrate;
 pub mod law;
+mod ledger;
 mod material;
 mod neighbours;
 mod observe;
@@ -60,6 +63,7 @@ mod state;
 mod stiffness_sum;
 mod system;
 mod time_step;
+mod touch_change;
 mod wall_motion;
 mod wall_pairs;
 mod walls;
@@ -69,6 +73,7 @@ pub(crate) use contact_forces::ContactForces;
 
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud};
 pub use contacts::{Contact, Partner};
+pub use energy::EnergyBalance;
 pub use error::{DemError, Leaving};
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
 pub use material::{Material, WallMaterial};

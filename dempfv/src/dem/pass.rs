@@ -1,7 +1,7 @@
 //! Contact forces: one pass over the blocks evaluates each contact once and
 //! sums up within the block; a second one gathers what crosses blocks.
 
-use super::law::{Batch, ContactLaw, Needs};
+use super::law::{Batch, ContactLaw, Losses, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
@@ -21,6 +21,8 @@ pub(super) struct Forces {
     pub sent: Vec<Wrench>,
     /// Sums on the walls, per block.
     pub wall_sums: Vec<PerWall<WallSum>>,
+    /// What contacts have dissipated in the step, per block; empty where that is not tracked.
+    pub losses: Vec<Losses>,
 }
 
 /// A law with the constants of this pass.
@@ -81,6 +83,7 @@ fn run<L: ContactLaw, const MATERIALS: bool, const MOTION: bool, const TORQUES: 
         torque: &mut out.torque,
         sent: &mut out.sent,
         wall_sums: &mut out.wall_sums,
+        losses: &mut out.losses,
     };
     let arch = pulp::Arch::new();
     let work = |span: PairSpan<'_>| {
@@ -112,6 +115,7 @@ struct PairSpan<'a> {
     torque: &'a mut [Vec3],
     sent: &'a mut [Wrench],
     wall_sums: &'a mut [PerWall<WallSum>],
+    losses: &'a mut [Losses],
 }
 
 impl Span for PairSpan<'_> {
@@ -134,6 +138,7 @@ impl Span for PairSpan<'_> {
         let torque = cut_mut(self.torque, particles);
         let sent = self.sent.split_at_mut(to.sent - from.sent);
         let sums = self.wall_sums.split_at_mut(blocks);
+        let losses = cut_mut(self.losses, blocks);
         (
             PairSpan {
                 first: self.first,
@@ -149,6 +154,7 @@ impl Span for PairSpan<'_> {
                 torque: torque.0,
                 sent: sent.0,
                 wall_sums: sums.0,
+                losses: losses.0,
             },
             PairSpan {
                 first: self.first + particles,
@@ -164,6 +170,7 @@ impl Span for PairSpan<'_> {
                 torque: torque.1,
                 sent: sent.1,
                 wall_sums: sums.1,
+                losses: losses.1,
             },
         )
     }
@@ -197,8 +204,8 @@ impl PairSpan<'_> {
         let origin = self.bounds[0];
         let length = law.history_length();
         let mut scratch = L::Scratch::default();
-        let mut pair_batch = Batch::new(input.dt);
-        let mut wall_batch = Batch::new(input.dt);
+        let mut pair_batch = Batch::new(input.dt, input.tracks_energy);
+        let mut wall_batch = Batch::new(input.dt, input.tracks_energy);
         for block in 0..self.wall_sums.len() {
             let (from, to) = (self.bounds[block], self.bounds[block + 1]);
             let spheres = block * BLOCK..((block + 1) * BLOCK).min(self.force.len());
@@ -242,6 +249,10 @@ impl PairSpan<'_> {
             } else {
                 walls.evaluate::<L, MATERIALS, false, false>(law, table, lanes, input)
             };
+            if let Some(losses) = self.losses.get_mut(block) {
+                *losses = std::mem::take(&mut pair_batch.losses);
+                losses.join(&std::mem::take(&mut wall_batch.losses));
+            }
         }
     }
 }

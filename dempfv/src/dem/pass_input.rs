@@ -17,4 +17,6 @@ pub(super) struct Input<'a> {
     pub dt: f64,
     /// Whether spheres rotate.
     pub rotation: bool,
+    /// Whether the law books what contacts dissipate.
+    pub tracks_energy: bool,
 }

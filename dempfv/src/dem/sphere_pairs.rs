@@ -2,9 +2,12 @@
 //! batches, evaluated, and their forces handed to the spheres.
 
 use super::law::vector::dot;
-use super::law::{Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, get, put};
+use super::law::{
+    Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, TwoSpheres, get, put,
+};
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
+use super::touch_change::{TouchChange, slip};
 use crate::Vec3;
 
 /// Force and torque on the second sphere of a pair that crosses blocks.
@@ -42,11 +45,10 @@ impl SpherePairRange<'_> {
         (batch, scratch): (&mut PairBatch<L>, &mut L::Scratch),
         input: &Input<'_>,
     ) {
-        let (reach, only) = ((law.cut_off(), law.history_length()), table.spheres(0, 0));
-        let (_, length) = reach;
+        let (cut_off, length, only) = (law.cut_off(), law.history_length(), table.spheres(0, 0));
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, input.centre, reach);
+            next = self.collect::<L>(batch, next, (law, table), input, cut_off);
             if MOTION {
                 self.load_motion::<L, TORQUES>(batch, input, length);
             }
@@ -72,9 +74,11 @@ impl SpherePairRange<'_> {
         &mut self,
         batch: &mut PairBatch<L>,
         mut next: usize,
-        centre: &[[f64; 4]],
-        (cut_off, length): (f64, usize),
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+        cut_off: f64,
     ) -> usize {
+        let centre = input.centre;
         let mut count = 0;
         let end = self.pairs.len().min(self.touch.len());
         while next < end && count < CONTACTS_PER_BATCH {
@@ -92,9 +96,7 @@ impl SpherePairRange<'_> {
             count += usize::from(touch);
             if touch != self.touch[next] {
                 self.touch[next] = touch;
-                if !touch {
-                    self.part(next, length);
-                }
+                self.change(batch, next, (law, table), input);
             }
             next += 1;
         }
@@ -102,12 +104,37 @@ impl SpherePairRange<'_> {
         next
     }
 
-    /// Two spheres have lost touch.
+    /// Two spheres have come into touch, or lost it: what one remembers then is forgotten.
     #[cold]
-    fn part(&mut self, slot: usize, length: usize) {
-        self.history[slot * length..][..length].fill(0.0);
-        if let Some(sent) = &mut self.sent {
-            sent[slot] = [0.0; 6];
+    fn change<L: ContactLaw>(
+        &mut self,
+        batch: &mut PairBatch<L>,
+        slot: usize,
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+    ) {
+        let length = law.history_length();
+        let history = &mut self.history[slot * length..][..length];
+        if batch.tracks_energy {
+            let [i, j] = self.pairs[slot].map(|k| k as usize);
+            let (a, b) = (input.centre[i], input.centre[j]);
+            let apart = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+            let velocity = input.velocity[j] - input.velocity[i];
+            let rim = a[3] * input.spin[i] + b[3] * input.spin[j];
+            let slip = slip(input.dt, &velocity, &rim, &apart.normalize());
+            let now = (a[3] + b[3]) - apart.norm();
+            let before = (a[3] + b[3]) - (apart - input.dt * velocity).norm();
+            let material = |k: usize| input.material.get(k).copied().unwrap_or(0);
+            let parameters = table.spheres(material(i), material(j));
+            let radii = TwoSpheres(a[3], b[3]);
+            let change = TouchChange { radii, now, before, history, slip };
+            change.book(law, &parameters, &mut batch.losses);
+        }
+        if !self.touch[slot] {
+            history.fill(0.0);
+            if let Some(sent) = &mut self.sent {
+                sent[slot] = [0.0; 6];
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
+use super::ledger::Ledger;
 use super::material::{finite, positive};
 use super::particles::Particles;
 use super::walls::{Wall, box_of, check_box};
@@ -37,6 +38,8 @@ pub struct DemState {
     pub pending_dt: f64,
     /// Bonds that have been made, intact and broken.
     pub bonds: u64,
+    /// Energy by cause, where it is tracked.
+    pub(super) ledger: Option<Ledger>,
 }
 
 impl<T> Default for ContactHistory<T> {
@@ -75,6 +78,7 @@ impl DemState {
         self.walls.values().try_for_each(Wall::check)?;
         self.particles.check()?;
         self.particles.check_digits(&box_)?;
+        self.ledger.iter().try_for_each(Ledger::check)?;
         if self.pending_dt != 0.0 {
             positive("pending_dt", self.pending_dt)?;
         }

@@ -7,8 +7,9 @@ use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
 use super::integrate::{Loads, Step, advance};
-use super::law::{ContactLaw, Linear, Needs};
-use super::material::{Material, WallMaterial, check_friction, finite, positive};
+use super::law::{ContactLaw, Linear, Losses, Needs};
+use super::ledger::{Ledger, MotionWork};
+use super::material::{Material, WallMaterial, finite, positive};
 use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
@@ -18,6 +19,7 @@ use super::state::{ContactHistory, DemState};
 use super::stiffness_sum::StiffnessSum;
 use super::wall_pairs::WallSum;
 use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
+use crate::parallel::block_count;
 use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
@@ -53,7 +55,7 @@ pub struct Dem {
     pub(super) options: DemOptions,
     pub(super) law: Box<dyn CompiledLaw>,
     pub(super) materials: Vec<Material>,
-    wall_material: WallMaterial,
+    pub(super) wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pub(super) pending_dt: f64,
     /// See [`DemState::bonds`].
@@ -69,6 +71,10 @@ pub struct Dem {
     pub(super) smallest_radius: f64,
     pub(super) softest: Material,
     pub(super) external: ExternalLoads,
+    /// See [`Dem::track_energy`].
+    pub(super) ledger: Option<Ledger>,
+    /// What forces did in the step, per block; empty where that is not tracked.
+    pub(super) motion_work: Vec<MotionWork>,
     /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
     /// contacts, and rotational stiffness over r².
     pub(super) stiffness: Vec<StiffnessSum>,
@@ -115,6 +121,7 @@ impl Dem {
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
             bonds: 0,
+            ledger: None,
         };
         // Nothing to reverse: there are no contacts yet.
         state.sort_spatially(0, |_| ());
@@ -172,7 +179,7 @@ impl Dem {
         state.particles.check_materials(materials.len())?;
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, pending_dt, bonds, .. } = state;
+        let DemState { particles, walls, pending_dt, bonds, ledger, .. } = state;
         let centre = particles
             .position
             .iter()
@@ -192,6 +199,8 @@ impl Dem {
             smallest_radius: 0.0,
             softest: materials[0],
             external: ExternalLoads::default(),
+            ledger,
+            motion_work: vec![],
             stiffness: vec![],
             particles,
             walls,
@@ -205,6 +214,10 @@ impl Dem {
         };
         dem.forces.force.resize(dem.particles.len(), Vec3::zeros());
         dem.forces.torque.resize(dem.particles.len(), Vec3::zeros());
+        if ledger.is_some() {
+            dem.forces.losses = vec![Losses::default(); block_count(dem.particles.len())];
+            dem.motion_work = vec![MotionWork::default(); block_count(dem.particles.len())];
+        }
         dem.rebuild()?;
         Ok(dem)
     }
@@ -219,6 +232,7 @@ impl Dem {
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
             bonds: self.bonds,
+            ledger: self.ledger,
         }
     }
 
@@ -269,9 +283,11 @@ impl Dem {
             walls: &self.walls,
             dt: self.pending_dt,
             rotation: self.options.rotation,
+            tracks_energy: self.ledger.is_some(),
         };
         self.law.contact_forces(&mut self.list, &mut self.forces, input);
         self.pending_dt = 0.0;
+        self.book_losses();
         self.wall_sums = PerWall::default();
         for block in &self.forces.wall_sums {
             for ((_, total), part) in self.wall_sums.iter_mut().zip(block.values()) {
@@ -306,10 +322,12 @@ impl Dem {
         }
         let on_walls = fluid_wall_force.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
+        let wall_velocity = self.walls.map(|wall| wall.velocity);
         self.move_walls(dt, fluid_wall_force)?;
         let turned = self.law.needs() == Needs::Torques || self.external.turns();
         let step = Step {
             dt,
+            last_dt: self.last_dt(dt),
             damping: LocalDamping::new(self.options.damping)?,
             gravity: self.options.gravity.unwrap_or_default(),
             rotation: self.options.rotation && turned,
@@ -320,7 +338,9 @@ impl Dem {
             fluid: fluid_force,
             external: self.external.get(),
         };
-        let farthest = advance(&mut self.particles, &mut self.centre, loads, step)?;
+        let work = &mut self.motion_work;
+        let farthest = advance(&mut self.particles, &mut self.centre, loads, step, work)?;
+        self.book_work(dt, &wall_velocity);
         self.external.clear();
         self.list.moved(farthest);
         self.pending_dt = dt;
@@ -424,64 +444,10 @@ impl Dem {
         self.wall_resistance = resistance;
         Ok(())
     }
-
-    /// Changes the friction angle between spheres (rad), whatever their material.
-    ///
-    /// # Errors
-    /// [`DemError::Parameter`] for an angle that is not from 0 to less than π/2.
-    pub fn set_friction(&mut self, angle: f64) -> Result<(), DemError> {
-        check_friction(angle)?;
-        for material in &mut self.materials {
-            material.friction_angle = angle;
-        }
-        self.law.set_materials(&self.materials, &self.wall_material);
-        // A pass that needs overlaps alone does not look at the history.
-        if self.law.pair_needs() == Needs::Overlap {
-            self.list.history.fill(0.0);
-        }
-        if self.law.wall_needs() == Needs::Overlap {
-            self.list.wall_history.fill(0.0);
-        }
-        Ok(())
-    }
-
-    /// Changes the local damping λ.
-    ///
-    /// # Errors
-    /// [`DemError::Parameter`] for a value that is not from 0 to less than 1.
-    pub fn set_damping(&mut self, damping: f64) -> Result<(), DemError> {
-        let options = DemOptions { damping, ..self.options };
-        options.check()?;
-        self.options = options;
-        Ok(())
-    }
-
-    /// Multiplies all radii by `factor` and all masses by its cube.
-    ///
-    /// # Errors
-    /// [`DemError::Parameter`] for a factor that is not positive, or that makes
-    /// a radius or a mass too large or too small for double precision.
-    pub fn scale_radii(&mut self, factor: f64) -> Result<(), DemError> {
-        positive("radius factor", factor)?;
-        let mass_factor = factor.powi(3);
-        let p = &mut self.particles;
-        let stays = |values: &[f64], factor: f64| values.iter().all(|v| (v * factor).is_normal());
-        if !(stays(&p.radius, factor) && stays(&p.mass, mass_factor)) {
-            let expected = "so near to 1 that radii and masses remain positive and finite";
-            return Err(DemError::Parameter { name: "radius factor", value: factor, expected });
-        }
-        for ((r, m), c) in p.radius.iter_mut().zip(&mut p.mass).zip(&mut self.centre) {
-            *r *= factor;
-            *m *= mass_factor;
-            c[3] = *r;
-        }
-        self.list.resized();
-        Ok(())
-    }
 }
 
 impl DemOptions {
-    fn check(&self) -> Result<(), DemError> {
+    pub(super) fn check(&self) -> Result<(), DemError> {
         LocalDamping::new(self.damping)?;
         let gravity = self.gravity.iter().flat_map(|g| g.iter()).copied();
         gravity.into_iter().try_for_each(|g| finite("gravity", g))?;

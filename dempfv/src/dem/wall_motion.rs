@@ -85,7 +85,7 @@ impl Dem {
             (true, false, _) => Leaving::FastSphere,
             (false, ..) => Leaving::Pressed,
         };
-        DemError::LeftBox { particle, wall, speed, radii, cause }
+        DemError::LeftBox { particle, wall, speed, radii, cause: Some(cause) }
     }
 }
 

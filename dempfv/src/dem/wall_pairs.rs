@@ -2,11 +2,13 @@
 //! the pairs of spheres are.
 
 use super::law::{
-    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SpheresOnWalls, get, put,
+    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SphereOnPlane, SpheresOnWalls, get,
+    put,
 };
 use super::neighbours::WallPair;
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
+use super::touch_change::{TouchChange, slip};
 use crate::{PerWall, Vec3, WallId};
 
 /// Sums over the contacts on a wall.
@@ -49,11 +51,10 @@ impl WallPairRange<'_> {
         input: &Input<'_>,
     ) -> PerWall<WallSum> {
         let mut sums = PerWall::default();
-        let (reach, only) = ((law.cut_off(), law.history_length()), table.wall(0));
-        let (_, length) = reach;
+        let (cut_off, length, only) = (law.cut_off(), law.history_length(), table.wall(0));
         let mut next = 0;
         while next < self.pairs.len() {
-            next = self.collect::<L>(batch, next, input, reach);
+            next = self.collect::<L>(batch, next, (law, table), input, cut_off);
             if MOTION {
                 self.load_motion::<L, TORQUES>(batch, input, length);
             }
@@ -77,8 +78,9 @@ impl WallPairRange<'_> {
         &mut self,
         batch: &mut WallBatch<L>,
         mut next: usize,
+        (law, table): (&L, &ParameterTable<L>),
         input: &Input<'_>,
-        (cut_off, length): (f64, usize),
+        cut_off: f64,
     ) -> usize {
         let mut count = 0;
         let end = self.pairs.len().min(self.touch.len());
@@ -98,14 +100,43 @@ impl WallPairRange<'_> {
             count += usize::from(touch);
             if touch != self.touch[next] {
                 self.touch[next] = touch;
-                if !touch {
-                    self.history[next * length..][..length].fill(0.0);
-                }
+                self.change(batch, next, (law, table), input);
             }
             next += 1;
         }
         batch.count = count;
         next
+    }
+
+    /// A sphere and a wall have come into touch, or lost it.
+    #[cold]
+    fn change<L: ContactLaw>(
+        &mut self,
+        batch: &mut WallBatch<L>,
+        slot: usize,
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+    ) {
+        let length = law.history_length();
+        let history = &mut self.history[slot * length..][..length];
+        if batch.tracks_energy {
+            let WallPair { i, wall } = self.pairs[slot];
+            let (i, axis, plane) = (i as usize, wall.axis(), &input.walls[wall]);
+            let centre = input.centre[i];
+            let now = centre[3] - (centre[axis] - plane.position) * wall.inward();
+            let mut velocity = -input.velocity[i];
+            velocity[axis] += plane.velocity;
+            let before = now - input.dt * velocity[axis] * wall.inward();
+            let rim = centre[3] * input.spin[i];
+            let slip = slip(input.dt, &velocity, &rim, &-wall.inward_normal());
+            let parameters = table.wall(input.material.get(i).copied().unwrap_or(0));
+            let radii = SphereOnPlane(centre[3]);
+            let change = TouchChange { radii, now, before, history, slip };
+            change.book(law, &parameters, &mut batch.losses);
+        }
+        if !self.touch[slot] {
+            history.fill(0.0);
+        }
     }
 
     #[inline(always)]

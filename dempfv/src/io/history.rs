@@ -5,6 +5,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::excerpt::excerpt;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::atomic;
@@ -216,6 +217,39 @@ struct Kept {
     last_step: Option<u64>,
 }
 
+/// Names that a message has at most.
+const MOST_NAMED: usize = 4;
+
+/// What differs between a table's columns and those of a run.
+fn other_columns(text: &[u8], columns: &[&str]) -> InputError {
+    let line = text.split(|&b| b == b'\n').next().unwrap_or_default();
+    let line = String::from_utf8_lossy(line);
+    let found: Vec<&str> = line.trim_end().split(',').collect();
+    let without = |all: &[&str], others: &[&str]| -> Vec<String> {
+        let left = all.iter().filter(|name| !others.contains(name));
+        left.map(|name| format!("`{}`", excerpt(name))).collect()
+    };
+    let (gone, new) = (without(&found, columns), without(columns, &found));
+    let what = match (listed(&gone), listed(&new)) {
+        (None, None) => "in another order".to_owned(),
+        (Some(gone), None) => format!("the run has no {gone}"),
+        (None, Some(new)) => format!("the table has no {new}"),
+        (Some(gone), Some(new)) => format!("the table has {gone} where the run has {new}"),
+    };
+    InputError::new(
+        format!("the table's columns are not those of this run: {what}"),
+        "restart with the probes and other outputs that the table was begun with, or into another folder",
+    )
+}
+
+/// The first of some names, and how many others there are; `None` for none.
+fn listed(names: &[String]) -> Option<String> {
+    let (first, others) = names.split_at(names.len().min(MOST_NAMED));
+    let others =
+        if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+    (!first.is_empty()).then(|| first.join(", ") + &others)
+}
+
 /// The rows of a table up to `last_step`.
 fn rows_up_to(
     text: &[u8],
@@ -225,11 +259,7 @@ fn rows_up_to(
 ) -> Result<Kept, InputError> {
     let head = header(columns);
     if !text.starts_with(&head) {
-        return Err(InputError::new(
-            "the table's columns are not those of this run",
-            format!("the header must be `{}`; restart into another folder", columns.join(",")),
-        )
-        .at_line(1));
+        return Err(other_columns(text, columns).at_line(1));
     }
     let column = columns
         .iter()

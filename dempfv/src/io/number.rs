@@ -12,6 +12,10 @@ pub(super) fn number(word: &str, form: &str) -> Result<f64, InputError> {
     match word.parse::<f64>().or_else(|_| fortran()) {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(InputError::new(format!("`{}` is not a finite number", excerpt(word)), form)),
+        Err(_) if word.contains(['\u{2212}', '\u{2013}']) => {
+            let what = format!("`{}` is not a number: its minus sign is another", excerpt(word));
+            Err(InputError::new(what, "write -, as in -1.5"))
+        }
         Err(_) => Err(InputError::new(format!("`{}` is not a number", excerpt(word)), form)),
     }
 }

@@ -15,4 +15,4 @@ pub use huge_pages::advise_huge_pages;
 pub use max_norm::max_norm;
 pub use prefetch::prefetch;
 pub use spin::spinning;
-pub use tasks::{SERIAL, TASK, for_each, in_tasks, parts, runs, with_pores};
+pub use tasks::{SERIAL, TASK, for_each, in_tasks, parts, runs, sum_of, with_pores};

@@ -93,6 +93,18 @@ pub fn parts<T: Copy + Send + Sync>(
     found.into_iter().fold(none, join)
 }
 
+/// Σ f(k) of 0 ≤ k < `n`: task by task, and the sums of tasks in their order.
+pub fn sum_of(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let one = |task: usize| (task * TASK..n.min((task + 1) * TASK)).map(&f).sum::<f64>();
+    let tasks = n.div_ceil(TASK);
+    if n < SERIAL {
+        (0..tasks).map(one).sum()
+    } else {
+        let sums: Vec<f64> = (0..tasks).into_par_iter().map(one).collect();
+        sums.into_iter().sum()
+    }
+}
+
 /// Cuts what belongs to rows, which start where `start` says, into what
 /// belongs to each [`TASK`] of them.
 pub fn runs<T>(mut rest: &mut [T], rows: usize, start: impl Fn(usize) -> usize) -> Vec<&mut [T]> {
@@ -119,6 +131,20 @@ mod tests {
             in_tasks(&mut out, 100, 64, &|i, v| *v += 1 + i);
             assert!(out.iter().enumerate().all(|(i, &v)| v == 1 + i), "{n}");
         }
+    }
+
+    /// Every number counts once, few or many, and sums do not depend on threads.
+    #[test]
+    fn sums_are_whole() {
+        for n in [0, 1, TASK - 1, TASK, TASK + 1, SERIAL + 77] {
+            assert_eq!(sum_of(n, |k| k as f64), (n * n.saturating_sub(1) / 2) as f64);
+        }
+        let term = |k: usize| 1.0 / (1.0 + k as f64);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| sum_of(SERIAL + 77, term)).to_bits()
+        };
+        assert_eq!(on(1), on(3));
     }
 
     /// Every number counts once, few or many: 0 + 1 + … + (n − 1) = n (n − 1) / 2, exactly.

@@ -5,6 +5,10 @@ use std::fmt;
 use std::time::Instant;
 
 use super::flow::{FlowParts, unknown_points};
+use super::frame::Frame;
+use super::packing_check::check_time_step;
+use super::storage::Storage;
+use super::terms::{StepTerms, Terms};
 use super::{
     BuildTimes, Flow, Fluid, ImposedPressure, Network, Operators, PfvError, PoreConditions,
     ReusableAnalysis,
@@ -21,6 +25,7 @@ pub struct Assembled {
     radius: Vec<f64>,
     fluid: Fluid,
     imposed: Vec<ImposedPressure>,
+    terms: Terms,
     times: BuildTimes,
 }
 
@@ -78,13 +83,41 @@ impl Assembled {
         fluid: &Fluid,
         imposed: &[ImposedPressure],
     ) -> Result<Assembled, PfvError> {
+        Assembled::with_terms(position, radius, bounds, fluid, imposed, StepTerms::default())
+    }
+
+    /// As [`Assembled::with_imposed`], with terms in the balance of the pores. Where one of them
+    /// stores fluid, pores without a path to an imposed pressure need none, and the pressures
+    /// begin at the mean of the imposed ones.
+    ///
+    /// # Errors
+    /// As [`Assembled::with_imposed`]; where a term stores fluid, [`PfvError::InvalidInput`] for
+    /// a time step that is not positive and finite, and for a capacity that is not finite or below 0.
+    pub fn with_terms(
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: Aabb,
+        fluid: &Fluid,
+        imposed: &[ImposedPressure],
+        StepTerms { terms, time_step }: StepTerms,
+    ) -> Result<Assembled, PfvError> {
+        let terms = Terms::new(terms);
+        if terms.store() {
+            check_time_step(time_step)?;
+        }
         let start = Instant::now();
         let (network, derivatives) = Network::new(position, radius, bounds, fluid)?;
         let mut conditions = PoreConditions::of_walls(&network, &fluid.boundary);
         for imposed in imposed {
             conditions.impose(&network, position, imposed)?;
         }
-        let operators = Operators::assemble(&network, derivatives, conditions);
+        let storage = match terms.store() {
+            true => {
+                Some(storage(&network, &Frame::new(position, radius, &bounds), &terms, time_step)?)
+            }
+            false => None,
+        };
+        let operators = Operators::assemble(&network, derivatives, conditions, storage);
         let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         Ok(Assembled {
             network,
@@ -92,6 +125,7 @@ impl Assembled {
             radius: radius.to_vec(),
             fluid: *fluid,
             imposed: imposed.to_vec(),
+            terms,
             times,
         })
     }
@@ -122,6 +156,26 @@ impl Assembled {
     }
 }
 
+/// What the pores of a network store.
+fn storage(
+    network: &Network,
+    frame: &Frame,
+    terms: &Terms,
+    time_step: f64,
+) -> Result<Storage, PfvError> {
+    let mut void = vec![0.0; network.pores()];
+    network.write_void_volumes(frame, &mut void);
+    let mut capacity = vec![0.0; network.pores()];
+    terms.write_capacity(&void, &mut capacity);
+    match capacity.iter().position(|s| !(*s >= 0.0 && s.is_finite())) {
+        None => Ok(Storage::new(void, capacity, time_step)),
+        Some(pore) => {
+            let problem = format!("{} m³/Pa; it must be finite, 0 or more", capacity[pore]);
+            Err(PfvError::invalid("capacity", pore, problem))
+        }
+    }
+}
+
 impl Analyzed {
     /// Last phase: factors the matrix. The bits do not depend on whether the
     /// analysis is a new one.
@@ -129,7 +183,8 @@ impl Analyzed {
     /// # Errors
     /// [`PfvError::Solver`] as [`Symbolic::factor`].
     pub fn factor(self) -> Result<Flow, PfvError> {
-        let Assembled { network, operators, radius, fluid, imposed, mut times } = self.assembled;
+        let Assembled { network, operators, radius, fluid, imposed, terms, mut times } =
+            self.assembled;
         let analysis_reused = matches!(self.analysis, Analysis::Reused(_));
         let start = Instant::now();
         let factor = match self.analysis {
@@ -146,6 +201,7 @@ impl Analyzed {
             radius,
             fluid,
             imposed,
+            terms,
             times,
             analysis_reused,
         }))
@@ -211,7 +267,7 @@ impl Flow {
     /// analysis serves again if the matrix has the same pattern, as it has when
     /// only conductances changed, and its pressures are where the next solve
     /// starts from. Memory is needed for one network only. Pressures that were imposed beside
-    /// those of the walls are imposed again.
+    /// those of the walls are imposed again, and terms that store fluid remain.
     ///
     /// # Errors
     /// As [`Flow::with_imposed`].
@@ -223,8 +279,8 @@ impl Flow {
         fluid: &Fluid,
     ) -> Result<Flow, PfvError> {
         let (solver, imposed) = (self.backend().clone(), self.imposed_pressures().to_vec());
-        let (pressures, reusable) = self.retire();
-        let assembled = Assembled::with_imposed(position, radius, bounds, fluid, &imposed)?;
+        let (pressures, reusable, terms) = self.retire_with_terms();
+        let assembled = Assembled::with_terms(position, radius, bounds, fluid, &imposed, terms)?;
         let mut flow = assembled.analyze(solver, reusable)?.factor()?;
         flow.transfer_pressures(&pressures);
         Ok(flow)

@@ -29,6 +29,30 @@ impl Flow {
         self.wall_drag(wall, &mut DragScratch::new(self.network()), &mut force)
     }
 
+    /// Share of the force that the motion of a wall puts on it that is still there a step later, all at
+    /// rest (1): 0 where no pore stores fluid, 1 where none gets away. Takes two solves then.
+    ///
+    /// # Errors
+    /// [`PfvError::Solver`] when a solve fails.
+    pub fn wall_persistence(&mut self, wall: WallId) -> Result<f64, PfvError> {
+        if self.time_step().is_none() {
+            return Ok(0.0);
+        }
+        let mut scratch = DragScratch::new(self.network());
+        let mut force = vec![Vec3::zeros(); self.network().tessellation.spheres];
+        let first = self.wall_drag(wall, &mut scratch, &mut force)?[wall];
+        let (operators, solver) = self.operators_and_solver();
+        let DragScratch { volume_rate, pressure } = &mut scratch;
+        for (i, (rate, p)) in volume_rate.iter_mut().zip(&*pressure).enumerate() {
+            *rate = -operators.storage().map_or(0.0, |storage| storage.rate(i)) * p;
+        }
+        let mut wall_force = [Vec3::zeros(); 6];
+        solver.respond(operators, volume_rate, pressure)?;
+        operators.evaluate_forces(pressure, &mut force, &mut wall_force);
+        let later = -wall_force[wall.index()][wall.axis()];
+        Ok(if first > 0.0 { (later / first).clamp(0.0, 1.0) } else { 0.0 })
+    }
+
     /// [`Flow::wall_resistance`], and the force on each sphere (N) when the
     /// wall moves at 1 m/s along its axis.
     pub(super) fn wall_drag(

@@ -9,6 +9,8 @@ use crate::parallel::with_pores;
 /// predicted: on the parabola through three of them, on the line through two.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extrapolation {
+    /// The pressure that they are measured from (Pa).
+    reference: f64,
     /// The last ones, or where the next solve starts from.
     pub(super) now: Vec<f64>,
     before: [Vec<f64>; 2],
@@ -36,9 +38,20 @@ const SOLVES_PER_GAIN: u32 = 50;
 const GAIN_SAFETY_FACTOR: f64 = 4.0;
 
 impl Extrapolation {
-    pub(super) fn at_rest(unknowns: usize) -> Extrapolation {
+    pub(super) fn at_rest(unknowns: usize, reference: f64) -> Extrapolation {
         let zeros = || vec![0.0; unknowns];
-        Extrapolation { now: zeros(), before: [zeros(), zeros()], known: 0, gain: None, age: 0 }
+        let before = [zeros(), zeros()];
+        Extrapolation { reference, now: zeros(), before, known: 0, gain: None, age: 0 }
+    }
+
+    /// Measures the pressures from another one (Pa).
+    pub(super) fn measure_from(&mut self, reference: f64) {
+        let shift = self.reference - reference;
+        if shift != 0.0 {
+            let [last, one_more] = &mut self.before;
+            self.now.iter_mut().chain(last).chain(one_more).for_each(|p| *p += shift);
+            self.reference = reference;
+        }
     }
 
     /// Number of unknowns.
@@ -184,7 +197,7 @@ mod tests {
     /// first two give the line's 11.
     #[test]
     fn a_parabola_is_predicted() {
-        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(1), [0.0]);
+        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(1, 0.0), [0.0]);
         let mut replaced = Replaced::default();
         let p = |t: f64| 1.0 + 2.0 * t + 3.0 * t * t;
         for (t, next) in [(0.0, p(0.0)), (1.0, 11.0), (2.0, p(3.0))] {
@@ -199,7 +212,7 @@ mod tests {
     /// there, to the bit.
     #[test]
     fn a_failed_solve_is_taken_back() {
-        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(2), [0.0; 2]);
+        let (mut extrapolation, mut pressure) = (Extrapolation::at_rest(2, 0.0), [0.0; 2]);
         let mut replaced = Replaced::default();
         for solve in 0..6 {
             let (before, pressures) = (extrapolation.clone(), pressure);
@@ -222,7 +235,7 @@ mod tests {
         for unknowns in [0, 1, 6, 100, 4_097, 50_000] {
             let pore_of: Vec<u32> = (0..).filter(|k| k % 7 != 0).take(unknowns).collect();
             let mut pressure = vec![-1.0; pore_of.last().map_or(1, |&k| k as usize + 3)];
-            let mut extrapolation = Extrapolation::at_rest(unknowns);
+            let mut extrapolation = Extrapolation::at_rest(unknowns, 0.0);
             let mut correction: Vec<f64> =
                 (0..unknowns).map(|u| ((u * 7919) % 1009) as f64 - 504.0).collect();
             let start = |u: usize| (u % 10) as f64;
@@ -250,7 +263,7 @@ mod tests {
     fn what_is_no_number_is_told() {
         let pore_of: Vec<u32> = (0..20_000).collect();
         for at in [0, 777, 19_999] {
-            let mut extrapolation = Extrapolation::at_rest(pore_of.len());
+            let mut extrapolation = Extrapolation::at_rest(pore_of.len(), 0.0);
             let mut correction = vec![1.0; pore_of.len()];
             correction[at] = f64::NAN;
             let mut pressure = vec![0.0; pore_of.len()];

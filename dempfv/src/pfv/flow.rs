@@ -5,8 +5,9 @@ use std::fmt;
 use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
 use super::packing_check::{check_tolerance, require_finite, require_length};
+use super::pore_pressures::PorePressures;
 use super::pressure_solver::{PressureProblem, PressureSolver};
-use super::terms::{FluidTerm, PoreSource, Sources, Terms};
+use super::terms::{StepTerms, Terms};
 use super::{
     BuildTimes, Fluid, ImposedPressure, Network, NetworkRemarks, Operators, PfvError,
     ReusableAnalysis, TransferSource,
@@ -44,22 +45,22 @@ use crate::{Aabb, Vec3, WallId};
 /// # Ok::<(), dempfv::Error>(())
 /// ```
 pub struct Flow {
-    network: Network,
-    operators: Operators,
+    pub(super) network: Network,
+    pub(super) operators: Operators,
     fluid: Fluid,
     radius: Vec<f64>,
     imposed: Vec<ImposedPressure>,
-    backend: Solver,
+    pub(super) backend: Solver,
     build_times: BuildTimes,
     analysis_reused: bool,
     /// State: what a checkpoint holds.
-    extrapolation: Extrapolation,
-    solver: PressureSolver,
+    pub(super) extrapolation: Extrapolation,
+    pub(super) solver: PressureSolver,
     /// Once the geometry has been updated.
-    geometry: Option<Box<GeometryUpdate>>,
-    pressure: Vec<f64>,
+    pub(super) geometry: Option<Box<GeometryUpdate>>,
+    pub(super) pressures: PorePressures,
     volume_rate: Vec<f64>,
-    terms: Terms,
+    pub(super) terms: Terms,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
 }
@@ -74,6 +75,7 @@ pub(super) struct FlowParts {
     pub radius: Vec<f64>,
     pub fluid: Fluid,
     pub imposed: Vec<ImposedPressure>,
+    pub terms: Terms,
     pub times: BuildTimes,
     pub analysis_reused: bool,
 }
@@ -96,22 +98,30 @@ pub(super) fn unknown_points(network: &Network, operators: &Operators) -> Vec<[f
 
 impl Flow {
     pub(super) fn of_parts(parts: FlowParts) -> Flow {
-        let FlowParts { network, operators, factor, backend, radius, fluid, imposed, .. } = parts;
+        let FlowParts {
+            network, operators, factor, backend, radius, fluid, imposed, terms, ..
+        } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
-        let mut pressure = vec![0.0; pores];
-        operators.evaluate_pressures(&vec![0.0; unknowns], &mut pressure);
+        let mut pressures = PorePressures::at_rest(&operators);
+        let mut extrapolation = Extrapolation::at_rest(unknowns, pressures.reference);
+        if operators.storage().is_some() {
+            // It is where the first step begins, not only where the first solve does.
+            let mean = operators.conditions().mean_pressure();
+            extrapolation.now.fill(mean - pressures.reference);
+            pressures.spread(&operators, &extrapolation.now);
+        }
         Flow {
             fluid,
             imposed,
             backend,
             build_times: parts.times,
             analysis_reused: parts.analysis_reused,
-            extrapolation: Extrapolation::at_rest(unknowns),
+            extrapolation,
             solver: PressureSolver::new(factor, &operators),
             geometry: None,
-            pressure,
+            pressures,
             volume_rate: vec![0.0; pores],
-            terms: Terms::default(),
+            terms,
             force: vec![Vec3::zeros(); radius.len()],
             wall_force: [Vec3::zeros(); 6],
             radius,
@@ -122,26 +132,48 @@ impl Flow {
 
     /// What a network that takes this one's place may use: the pressures, and
     /// the factor. All else is freed.
-    pub fn retire(mut self) -> (TransferSource, Option<ReusableAnalysis>) {
+    pub fn retire(self) -> (TransferSource, Option<ReusableAnalysis>) {
+        let (pressures, reusable, _) = self.retire_with_terms();
+        (pressures, reusable)
+    }
+
+    /// The same, and the terms that store fluid.
+    pub(super) fn retire_with_terms(
+        mut self,
+    ) -> (TransferSource, Option<ReusableAnalysis>, StepTerms) {
         if let Some(geometry) = self.geometry.take() {
             // After a restart, these are all that is known.
             self.network.center = geometry.built_center();
         }
         let points = unknown_points(&self.network, &self.operators);
+        let time_step = self.time_step().unwrap_or_default();
+        let content =
+            self.operators.storage().map(|storage| storage.content(self.pressures.absolute()));
         let (around, matrix) = self.operators.retire();
-        let pressures = TransferSource::new(self.network, around, self.pressure);
+        let pressures = TransferSource::new(self.network, around, self.pressures, content);
         let backend = self.backend;
         let reusable = |factor| ReusableAnalysis::new(factor, backend, matrix, points);
-        (pressures, self.solver.into_factor().map(reusable))
+        let terms = StepTerms { terms: self.terms.into_storing(), time_step };
+        (pressures, self.solver.into_factor().map(reusable), terms)
     }
 
     /// Takes the pressures of the network that this one replaces: as the
     /// starting point of the next solve. Those of other spheres are ignored.
+    ///
+    /// Where pores store fluid, these pressures are where the next step begins: all free ones are
+    /// then raised or lowered by the same, so that the pores together store what they did.
     pub fn transfer_pressures(&mut self, from: &TransferSource) {
         self.extrapolation.restart();
         self.solver.statistics.solved = false;
-        from.write(&self.network, &self.operators, &mut self.extrapolation.now);
-        self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
+        let Flow { network, operators, extrapolation, pressures, .. } = self;
+        from.write(network, operators, pressures.reference, &mut extrapolation.now);
+        self.spread_pressures();
+        self.keep_content(from);
+    }
+
+    /// Gives the pores the pressures of the unknowns.
+    pub(super) fn spread_pressures(&mut self) {
+        self.pressures.spread(&self.operators, &self.extrapolation.now);
     }
 
     /// The network.
@@ -243,17 +275,25 @@ impl Flow {
     /// As [`Flow::solve`].
     pub fn update_pressure(&mut self) -> Result<(), PfvError> {
         let Flow {
-            network, operators, volume_rate, terms, extrapolation, pressure, solver, ..
+            network, operators, volume_rate, terms, extrapolation, pressures, solver, ..
         } = self;
+        if let Some(storage) = &mut operators.storage {
+            storage.begin(&pressures.relative);
+        }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
-        if operators.unknowns() < SERIAL {
+        let PorePressures { reference, relative: pressure, .. } = pressures;
+        let reference = *reference;
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
+        let solved = if operators.unknowns() < SERIAL {
             solver.solve(problem)
         } else {
             // A thread from outside waits for the pool once, not for each loop.
             rayon::scope(|_| solver.solve(problem))
-        }
+        };
+        terms.settle(operators.storage(), &pressures.relative);
+        pressures.update_absolute();
+        solved
     }
 
     /// As [`Flow::update_pressure`] where the network has moved on from its
@@ -274,21 +314,31 @@ impl Flow {
             volume_rate,
             terms,
             extrapolation,
-            pressure,
+            pressures,
             solver,
             geometry,
             ..
         } = self;
+        if let Some(storage) = &mut operators.storage {
+            storage.begin(&pressures.relative);
+        }
         let demand = terms.demand(volume_rate);
         operators.sealed_pores().check(network, demand)?;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
+        let PorePressures { reference, relative: pressure, .. } = pressures;
+        let reference = *reference;
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
-        solver.iterate(problem, weakened, tolerance)
+        let iterations = solver.iterate(problem, weakened, tolerance);
+        terms.settle(operators.storage(), &pressures.relative);
+        pressures.update_absolute();
+        iterations
     }
 
     /// Last third of [`Flow::solve`]: `f = F p`.
     pub fn update_force(&mut self) {
-        self.operators.evaluate_forces(&self.pressure, &mut self.force, &mut self.wall_force);
+        let Flow { network, operators, pressures, force, wall_force, .. } = self;
+        operators.evaluate_forces(&pressures.relative, force, wall_force);
+        pressures.push_walls(&network.bounds, wall_force);
     }
 
     /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
@@ -305,13 +355,17 @@ impl Flow {
         bounds: &Aabb,
     ) -> Result<GeometryDegradation, PfvError> {
         self.network.check_vertices(position, bounds)?;
-        let Flow { network, operators, geometry, radius, fluid, .. } = self;
+        let Flow { network, operators, geometry, radius, fluid, terms, .. } = self;
         let geometry =
             geometry.get_or_insert_with(|| Box::new(GeometryUpdate::new(network, operators)));
-        Ok(geometry.run(network, operators, (position, radius), bounds, fluid))
+        Ok(geometry.run(network, operators, (position, radius), bounds, (fluid, terms)))
     }
 
-    fn require_one_per_sphere(&self, argument: &'static str, found: usize) -> Result<(), PfvError> {
+    pub(super) fn require_one_per_sphere(
+        &self,
+        argument: &'static str,
+        found: usize,
+    ) -> Result<(), PfvError> {
         require_length(argument, found, self.radius.len(), "spheres")
     }
 
@@ -358,8 +412,9 @@ impl Flow {
         }
         if extrapolation.unknowns() == self.extrapolation.unknowns() {
             self.extrapolation.clone_from(extrapolation);
+            self.extrapolation.measure_from(self.pressures.reference);
             self.solver.statistics.solved = self.extrapolation.is_solution();
-            self.operators.evaluate_pressures(&self.extrapolation.now, &mut self.pressure);
+            self.spread_pressures();
             self.update_force();
         }
         Ok(())
@@ -378,64 +433,6 @@ impl Flow {
         self.solver.statistics.unmet
     }
 
-    /// Takes a term into the balance of the pores, in the place of one of the same name: from the
-    /// next solve on, of this network.
-    pub fn set_term(&mut self, term: Box<dyn FluidTerm>) {
-        self.terms.set(term);
-    }
-
-    /// Takes a term out of the balance. Returns whether there was one of this name.
-    pub fn remove_term(&mut self, name: &str) -> bool {
-        self.terms.remove(name)
-    }
-
-    /// Names of the terms in the balance beside throats and motion.
-    pub fn terms(&self) -> impl Iterator<Item = &'static str> {
-        self.terms.names()
-    }
-
-    /// Lets fluid enter pores of choice, in the place of earlier sources (none takes these out); `position` has the
-    /// sphere centres (m) that the network was built of. Another network has other pores: who
-    /// builds one sets its sources.
-    ///
-    /// ```
-    /// use dempfv::pfv::terms::PoreSource;
-    /// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, PoreSelection};
-    /// use dempfv::solver::SolverKind;
-    /// use dempfv::{Aabb, Vec3, WallId};
-    ///
-    /// // A box that is open at the top; a litre an hour enters in a corner of the bottom.
-    /// let mut boundary = Boundary::default();
-    /// boundary.pressure[WallId::YMax] = Some(0.0);
-    /// let fluid = Fluid { viscosity: 1e-3, slip_walls: true, clamp: Clamp::None, boundary };
-    /// let bounds = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
-    /// let x = [Vec3::new(0.3, 0.3, 0.4), Vec3::new(0.7, 0.6, 0.6)];
-    /// let mut flow = Flow::new(&x, &[0.2, 0.2], bounds, &fluid, SolverKind::default())?;
-    /// let rate = 1e-3 / 3600.0;
-    /// let tube = PoreSelection::Around { center: Vec3::zeros(), radius: 0.3 };
-    /// flow.set_sources(&x, &[PoreSource { pores: tube, rate }])?;
-    /// flow.solve_static()?;
-    /// assert!((flow.flux()[WallId::YMax.index()] + rate).abs() < 1e-10 * rate);
-    /// # Ok::<(), dempfv::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`Sources::new`]; for another number of spheres.
-    pub fn set_sources(
-        &mut self,
-        position: &[Vec3],
-        sources: &[PoreSource],
-    ) -> Result<(), PfvError> {
-        self.require_one_per_sphere("position", position.len())?;
-        let sources = Sources::new(&self.network, self.operators.conditions(), position, sources)?;
-        if sources.is_empty() {
-            self.remove_term(Sources::NAME);
-        } else {
-            self.set_term(Box::new(sources));
-        }
-        Ok(())
-    }
-
     /// What throats brought to each pore in the last solve (m³/s).
     fn demand(&self) -> &[f64] {
         self.terms.last_demand(&self.volume_rate)
@@ -451,7 +448,7 @@ impl Flow {
 
     /// Pressure of each pore (Pa).
     pub fn pressure(&self) -> &[f64] {
-        &self.pressure
+        self.pressures.absolute()
     }
 
     /// Rate at which each pore grows (m³/s).
@@ -472,7 +469,7 @@ impl Flow {
     /// Flux through each wall, positive into the box (m³/s).
     pub fn flux(&self) -> [f64; 6] {
         let mut flux = [0.0; 6];
-        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
+        self.operators.evaluate_flux(&self.pressures.relative, self.demand(), &mut flux);
         flux
     }
 
@@ -480,7 +477,7 @@ impl Flow {
     /// (m³/s).
     pub fn imposed_flux(&self) -> Vec<f64> {
         let mut flux = vec![0.0; self.operators.conditions().sets()];
-        self.operators.evaluate_flux(&self.pressure, self.demand(), &mut flux);
+        self.operators.evaluate_flux(&self.pressures.relative, self.demand(), &mut flux);
         flux.truncate(self.operators.conditions().imposed_sets());
         flux.split_off(6)
     }

@@ -8,6 +8,7 @@ use super::lanes::LANES;
 use super::network::{
     ThroatSite, bounded, force_coefficients_of, number_throats, pores_at, throats_at,
 };
+use super::terms::Terms;
 use super::throat::Throat;
 use super::{Fluid, NONE, Network, Operators};
 use crate::parallel::for_each;
@@ -63,7 +64,7 @@ pub(super) struct GeometryUpdate {
     center: Vec<Vec3>,
     volume: Vec<f64>,
     conductance: Vec<f64>,
-    /// Sum of the conductances of each pore then.
+    /// Sum of the conductances of each pore then, and what it stored.
     diagonal: Vec<f64>,
     /// Throats that have become much weaker.
     weakened: Vec<WeakenedThroat>,
@@ -101,7 +102,7 @@ impl GeometryUpdate {
             center: network.center.clone(),
             volume: network.volume.clone(),
             conductance: network.throats.conductance.clone(),
-            diagonal: (0..t.cells.len()).map(|i| diagonal(network, i)).collect(),
+            diagonal: (0..t.cells.len()).map(|i| energy(network, operators, i)).collect(),
             weakened: Vec::with_capacity(sites.len() / 16),
             sites,
         }
@@ -129,7 +130,7 @@ impl GeometryUpdate {
         operators: &mut Operators,
         (position, radius): (&[Vec3], &[f64]),
         bounds: &Aabb,
-        fluid: &Fluid,
+        (fluid, terms): (&Fluid, &Terms),
     ) -> GeometryDegradation {
         let mut x = std::mem::take(&mut self.x);
         x.clear();
@@ -137,10 +138,13 @@ impl GeometryUpdate {
         let frame = Frame { x, r: radius, size: bounds.size() };
         network.bounds = *bounds;
         let mut degradation = self.update_pores(&frame, network, operators);
+        self.place_flat_pores(&frame, network);
         self.update_throats(&frame, network, fluid);
+        Self::update_storage(&frame, network, operators, terms);
         self.x = frame.x;
         degradation.lost += self.write_conductances(network, fluid);
         self.write_operators(network, operators);
+        operators.write_diagonal();
         self.find_weakened(network, operators);
         degradation.folded = self.folded(network, operators);
         degradation
@@ -181,6 +185,15 @@ impl GeometryUpdate {
             degradation
         });
         degradation.reduce(GeometryDegradation::default, GeometryDegradation::and)
+    }
+
+    /// Those that were flat when the network was built: whether others are is round-off.
+    fn place_flat_pores(&mut self, frame: &Frame, network: &mut Network) {
+        let Network { flat, tessellation, center, bounds, .. } = network;
+        flat.place(frame, tessellation, &mut self.local);
+        for i in flat.numbers() {
+            center[i] = self.local[i] + bounds.min;
+        }
     }
 
     fn update_throats(&mut self, frame: &Frame, network: &Network, fluid: &Fluid) {
@@ -241,7 +254,8 @@ impl GeometryUpdate {
                 |e: usize| if free(e) { 1.0 / (built[pores[e]] - then).max(0.0) } else { 0.0 };
             let around = 1.0 / (other(0) + other(1));
             if (free(0) || free(1)) && now + around < WEAKENED_ENERGY_RATIO * (then + around) {
-                let own = |e: usize| if free(e) { diagonal(network, pores[e]) } else { 0.0 };
+                let own =
+                    |e: usize| if free(e) { energy(network, operators, pores[e]) } else { 0.0 };
                 let joint = if free(0) && free(1) { 2.0 * now } else { 0.0 };
                 weakened
                     .push(WeakenedThroat { unknowns, inverse: 1.0 / (own(0) + own(1) + joint) });
@@ -273,6 +287,13 @@ impl GeometryUpdate {
         boundary_flux.update(&network.throats.conductance);
         operators.update_stencils(network);
     }
+
+    /// Evaluates what the pores store now, where a term stores fluid.
+    fn update_storage(frame: &Frame, network: &Network, operators: &mut Operators, terms: &Terms) {
+        let Some(storage) = &mut operators.storage else { return };
+        network.write_void_volumes(frame, &mut storage.void);
+        storage.update(|void, capacity| terms.write_capacity(void, capacity));
+    }
 }
 
 /// The throat of each entry of `G` below the diagonal.
@@ -292,6 +313,11 @@ fn throats_of_entries(network: &Network, operators: &Operators) -> Vec<u32> {
         }
     }
     throat_at
+}
+
+/// Energy of a unit pressure in a pore alone (m³/(Pa·s)): its conductances, and what it stores.
+fn energy(network: &Network, operators: &Operators, pore: usize) -> f64 {
+    diagonal(network, pore) + operators.storage().map_or(0.0, |storage| storage.rate(pore))
 }
 
 /// The sum of a pore's conductances, in the order in which it is assembled.

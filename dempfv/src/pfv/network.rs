@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::flat_pores::FlatPores;
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
 use super::packing_check::{check_box, check_packing, require_finite, require_length};
@@ -50,6 +51,7 @@ pub struct Network {
     pub remarks: NetworkRemarks,
     /// Pores that spheres fill, as far as they close all throats; sorted.
     filled: Vec<u32>,
+    pub(super) flat: FlatPores,
 }
 
 /// What operators are made of, and nothing else needs: 200 bytes a pore.
@@ -83,7 +85,9 @@ impl Network {
         check_packing(position, radius, &bounds, fluid)?;
         let frame = Frame::new(position, radius, &bounds);
         let tessellation = Tessellation::new(&frame)?;
-        let pores = evaluate_pores(&frame, &tessellation)?;
+        let mut pores = evaluate_pores(&frame, &tessellation)?;
+        let mut flat = FlatPores::of(&frame, &tessellation);
+        flat.place(&frame, &tessellation, &mut pores.center);
         let (sites, throat_of) = number_throats(&tessellation);
         let rules = fluid.throat_rules();
         let evaluated = evaluate_throats(&frame, &tessellation, &pores.center, &sites, rules);
@@ -101,6 +105,7 @@ impl Network {
         let network = Network {
             remarks,
             filled,
+            flat,
             bounds,
             viscosity: fluid.viscosity,
             center,

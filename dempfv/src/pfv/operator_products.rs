@@ -46,7 +46,7 @@ impl Operators {
         if let Some(set) = conditions.pressures().iter().position(|p| !finite(p)) {
             return Err(PfvError::invalid("imposed pressure", set, "is not finite"));
         }
-        Ok(Operators::assemble(network, derivatives, conditions))
+        Ok(Operators::assemble(network, derivatives, conditions, None))
     }
 
     /// `V̇ = E v`: the rate at which each pore grows (m³/s), from the velocities
@@ -75,7 +75,7 @@ impl Operators {
     pub fn pressures(&self, solution: &[f64], out: &mut [f64]) -> Result<(), PfvError> {
         require_length("solution", solution.len(), self.unknowns(), "unknowns")?;
         require_length("out", out.len(), self.unknown_of.len(), "pores")?;
-        self.evaluate_pressures(solution, out);
+        self.evaluate_pressures(solution, 0.0, out);
         Ok(())
     }
 

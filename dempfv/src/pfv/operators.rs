@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::boundary_flux::BoundaryFlux;
+use super::storage::{Storage, sealed_and_closed};
 use super::{Derivatives, NONE, Network, PoreConditions, SealedPores, Tessellation};
 use crate::Vec3;
 use crate::parallel::{TASK, for_each, in_tasks, parts, prefetch, runs};
@@ -29,7 +30,9 @@ pub struct Operators {
     conditions: PoreConditions,
     sealed: SealedPores,
     /// For each unknown what its pore is joined to.
-    stencil: Vec<Stencil>,
+    pub(super) stencil: Vec<Stencil>,
+    /// Where a term stores fluid.
+    pub(super) storage: Option<Box<Storage>>,
     pub(super) boundary_flux: BoundaryFlux,
     pub(super) volume: VolumeRate,
     pub(super) forces: Forces,
@@ -72,6 +75,7 @@ impl Parts {
 pub(super) struct NetVolumeRate {
     sum: f64,
     moved: f64,
+    least: f64,
 }
 
 impl NetVolumeRate {
@@ -79,13 +83,18 @@ impl NetVolumeRate {
         let sums = |part: &[f64]| part.iter().fold((0.0, 0.0), |(g, m), v| (g + v, m + v.abs()));
         let (sum, moved): (f64, f64) =
             parts(volume_rate, sums, (0.0, 0.0), |(g, m), (v, w)| (g + v, m + w));
-        NetVolumeRate { sum, moved }
+        NetVolumeRate { sum, moved, least: 0.0 }
+    }
+
+    /// The same, measured by no less than this flow (m³/s).
+    pub fn at_least(self, least: f64) -> NetVolumeRate {
+        NetVolumeRate { least, ..self }
     }
 
     /// See [`Operators::imbalance`], for the flux from each set.
     pub fn imbalance(self, flux: &[f64]) -> f64 {
         let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));
-        let larger = through.max(self.sum.abs()).max(0.01 * self.moved);
+        let larger = through.max(self.sum.abs()).max(0.01 * self.moved).max(self.least);
         if larger > 0.0 { (net - self.sum).abs() / larger } else { 0.0 }
     }
 }
@@ -93,9 +102,9 @@ impl NetVolumeRate {
 /// A pore's throats: the pores beyond, and the conductances (m³/(Pa·s)). Where there is
 /// none, the pore itself and zero.
 #[derive(Clone, Copy, Debug)]
-struct Stencil {
+pub(super) struct Stencil {
     pore: [u32; 4],
-    conductance: [f64; 4],
+    pub conductance: [f64; 4],
 }
 
 impl Stencil {
@@ -152,17 +161,21 @@ impl Operators {
         network: &Network,
         derivatives: Derivatives,
         mut conditions: PoreConditions,
+        mut storage: Option<Storage>,
     ) -> Operators {
         // The search is serial: the other parts keep the other threads busy.
-        let find = || SealedPores::of(network, &conditions);
+        let find = || sealed_and_closed(network, &conditions, storage.as_mut());
         let build = || Parts::new(network, &derivatives, &conditions);
-        let (sealed, mut parts) = rayon::join(find, build);
+        let ((sealed, closed), mut parts) = rayon::join(find, build);
         if !sealed.is_empty() {
             conditions.pin(sealed.pinned());
             parts = Parts::new(network, &derivatives, &conditions);
         }
         let Parts { matrix, pore_of, unknown_of, boundary_flux, forces, stencil } = parts;
-        Operators {
+        if let Some(storage) = &mut storage {
+            storage.close(closed, &unknown_of);
+        }
+        let mut operators = Operators {
             matrix,
             pore_of,
             unknown_of,
@@ -170,12 +183,15 @@ impl Operators {
             conditions,
             sealed,
             stencil,
+            storage: storage.map(Box::new),
             volume: VolumeRate {
                 vertices: network.tessellation.cells.clone(),
                 gradient: derivatives.volume_gradient,
             },
             forces,
-        }
+        };
+        operators.write_diagonal();
+        operators
     }
 
     /// What outlives operators that are no longer needed.
@@ -234,11 +250,12 @@ impl Operators {
         for_each(out, &|i, v| *v = rate(i));
     }
 
-    /// Spreads the solution over all pores, imposed ones included (Pa).
-    pub(super) fn evaluate_pressures(&self, solution: &[f64], out: &mut [f64]) {
+    /// Spreads the solution over all pores, imposed ones included (Pa): all of them above the
+    /// reference.
+    pub(super) fn evaluate_pressures(&self, solution: &[f64], reference: f64, out: &mut [f64]) {
         for_each(out, &|i, p| {
             *p = match self.unknown_of[i] {
-                NONE => self.imposed(i).unwrap_or(0.0),
+                NONE => self.imposed(i).map_or(0.0, |imposed| imposed - reference),
                 u => solution[u as usize],
             }
         });
@@ -271,11 +288,28 @@ impl Operators {
     /// that a wide throat between pores of nearly one pressure does not drown
     /// the narrow ones, as it does in the rows of the assembled matrix.
     pub(super) fn evaluate_residual(&self, pressure: &[f64], volume_rate: &[f64], out: &mut [f64]) {
+        match self.storage() {
+            None => self.residual_with(pressure, |i| volume_rate[i], out),
+            Some(storage) => {
+                let taken = |i: usize| volume_rate[i] + storage.uptake(i, pressure[i]);
+                self.residual_with(pressure, taken, out);
+            }
+        }
+    }
+
+    /// The same for pores that take up so much (m³/s).
+    #[inline(always)]
+    fn residual_with(
+        &self,
+        pressure: &[f64],
+        taken: impl Fn(usize) -> f64 + Sync,
+        out: &mut [f64],
+    ) {
         for_each(out, &|u, residual| {
             let i = self.pore_of[u] as usize;
             let Stencil { pore, conductance } = self.stencil_of(u);
             let here = pressure[i];
-            let mut sum = -volume_rate[i];
+            let mut sum = -taken(i);
             for (&j, g) in pore.iter().zip(conductance) {
                 sum += g * (pressure[j as usize] - here);
             }
@@ -286,10 +320,24 @@ impl Operators {
     /// `G d` throat by throat (see [`Operators::residual`]), for `d` spread over
     /// all pores.
     pub(super) fn conduct(&self, spread: &[f64], out: &mut [f64]) {
+        match self.storage() {
+            None => self.conduct_with(spread, |_, _| 0.0, out),
+            Some(storage) => self.conduct_with(spread, |i, d| storage.rate(i) * d, out),
+        }
+    }
+
+    #[inline(always)]
+    fn conduct_with(
+        &self,
+        spread: &[f64],
+        stored: impl Fn(usize, f64) -> f64 + Sync,
+        out: &mut [f64],
+    ) {
         for_each(out, &|u, product| {
+            let i = self.pore_of[u] as usize;
             let Stencil { pore, conductance } = self.stencil_of(u);
-            let here = spread[self.pore_of[u] as usize];
-            let mut sum = 0.0;
+            let here = spread[i];
+            let mut sum = stored(i, here);
             for (&j, g) in pore.iter().zip(conductance) {
                 sum += g * (here - spread[j as usize]);
             }

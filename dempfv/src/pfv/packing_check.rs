@@ -158,3 +158,12 @@ pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), PfvError> {
 fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
+
+/// Refuses a time step (s) that is none.
+pub(super) fn check_time_step(time_step: f64) -> Result<(), PfvError> {
+    if time_step > 0.0 && time_step.is_finite() {
+        return Ok(());
+    }
+    let problem = format!("{time_step} s; it must be positive and finite");
+    Err(PfvError::InvalidInput { argument: "time_step", index: None, problem })
+}

@@ -6,16 +6,13 @@ use nalgebra::Matrix3;
 use super::frame::{FACETS, Frame, Vertex};
 use crate::{Vec3, WallId};
 
-/// A pore at walls is flat below this ratio of its equations' determinant to
-/// their sizes. Where spheres stand in rows, the bulge of the walls in the
-/// triangulation lets it find pores that are flat between planes.
-const FLAT: f64 = 1e-5;
-/// A pore between spheres is flat below this one: from there on its centre would be known to
-/// fewer than six digits. Any lattice has such pores, between spheres in a square.
-pub(super) const FLAT_SPHERES: f64 = 1e-10;
+/// A pore is flat below this ratio of its equations' determinant to their sizes: the motion of a
+/// sphere by so much of the pore's size would move its centre by all of it. Any lattice has
+/// such pores, between spheres in a square; and where spheres stand in rows, the bulge of the walls in
+/// the triangulation lets it find pores that are flat between planes.
+pub(super) const FLAT: f64 = 1e-5;
 /// Directions that the equations of a flat pore tell less about than this are left open.
 const UNKNOWN: f64 = 3.162_277_660_168_379_5e-3;
-const UNKNOWN_SPHERES: f64 = 1e-8;
 
 /// Centre, volume and volume gradient of one pore.
 pub(super) struct Pore {
@@ -83,43 +80,79 @@ impl Roles {
     }
 }
 
-/// Equal power to every sphere, on every wall: three linear equations relative
-/// to the first sphere, by Cramer's rule.
+/// Equal power to every sphere, on every wall: three linear equations relative to the first
+/// sphere.
+struct Equations {
+    row: [Vec3; 3],
+    rhs: [f64; 3],
+}
+
+impl Equations {
+    fn of(frame: &Frame, roles: &Roles) -> Equations {
+        let (_, x0, r0) = roles.spheres[0];
+        let mut row = [Vec3::zeros(); 3];
+        let mut rhs = [0.0; 3];
+        for (i, (_, x, r)) in roles.spheres[1..roles.count].iter().enumerate() {
+            row[i] = x - x0;
+            rhs[i] = 0.5 * (row[i].norm_squared() + (r0 - r) * (r0 + r));
+        }
+        for (i, (_, wall)) in (roles.count - 1..3).zip(roles.walls) {
+            row[i] = wall.inward_normal();
+            rhs[i] = -frame.distance(wall, &x0);
+        }
+        Equations { row, rhs }
+    }
+
+    fn is_flat(&self, determinant: f64) -> bool {
+        let [a, b, c] = self.row;
+        determinant.abs() <= FLAT * a.norm() * b.norm() * c.norm()
+    }
+
+    /// Rows of one size, so that one bound tells flat from not.
+    fn unit_rows(&self) -> Matrix3<f64> {
+        Matrix3::from_rows(&self.row.map(|r| r.normalize().transpose()))
+    }
+}
+
+/// By Cramer's rule.
 fn power_center(frame: &Frame, roles: &Roles) -> Vec3 {
-    let (_, x0, r0) = roles.spheres[0];
-    let mut row = [Vec3::zeros(); 3];
-    let mut rhs = [0.0; 3];
-    for (i, (_, x, r)) in roles.spheres[1..roles.count].iter().enumerate() {
-        row[i] = x - x0;
-        rhs[i] = 0.5 * (row[i].norm_squared() + (r0 - r) * (r0 + r));
-    }
-    for (i, (_, wall)) in (roles.count - 1..3).zip(roles.walls) {
-        row[i] = wall.inward_normal();
-        rhs[i] = -frame.distance(wall, &x0);
-    }
-    let [a, b, c] = row;
+    let (_, x0, _) = roles.spheres[0];
+    let equations = Equations::of(frame, roles);
+    let [a, b, c] = equations.row;
     let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
     let determinant = a.dot(&bc);
-    let (flat, unknown) =
-        if roles.count < 4 { (FLAT, UNKNOWN) } else { (FLAT_SPHERES, UNKNOWN_SPHERES) };
-    if determinant.abs() <= flat * a.norm() * b.norm() * c.norm() {
-        return flat_center(roles, x0, (row, rhs), unknown);
+    if equations.is_flat(determinant) {
+        return flat_center(roles, x0, &equations);
     }
+    let rhs = equations.rhs;
     x0 + (rhs[0] * bc + rhs[1] * ca + rhs[2] * ab) / determinant
+}
+
+/// The direction (1) across a flat pore, along which its equations leave its centre open; `None`
+/// for other pores, and where more than one direction is open.
+pub(super) fn flat_axis(frame: &Frame, cell: [u32; 4]) -> Option<Vec3> {
+    let equations = Equations::of(frame, &Roles::new(frame, cell)?);
+    let [a, b, c] = equations.row;
+    if !equations.is_flat(a.dot(&b.cross(&c))) {
+        return None;
+    }
+    let svd = equations.unit_rows().svd(false, true);
+    let open = svd.singular_values.iter().filter(|s| **s <= UNKNOWN).count();
+    svd.v_t.filter(|_| open == 1).map(|v_t| v_t.row(2).transpose())
 }
 
 /// The point nearest to the middle of a flat pore's spheres that lies on its
 /// walls and has equal power as far as the spheres' line or plane tells: across that
-/// nothing is known, and round-off would choose. Neighbours of the pore lie on both sides, and
-/// the resistance between them is the same wherever on the way its centre is.
-fn flat_center(roles: &Roles, x0: Vec3, (row, rhs): ([Vec3; 3], [f64; 3]), unknown: f64) -> Vec3 {
+/// nothing is known, and round-off would choose. [`FlatPores`](super::flat_pores::FlatPores)
+/// then moves it to where its neighbours leave room for it.
+fn flat_center(roles: &Roles, x0: Vec3, equations: &Equations) -> Vec3 {
+    let Equations { row, rhs, .. } = equations;
     let spheres = &roles.spheres[..roles.count];
     let middle = spheres.iter().map(|(_, x, _)| x - x0).sum::<Vec3>() / roles.count as f64;
-    // Rows of one size, so that one bound tells flat from not.
-    let unit = Matrix3::from_rows(&row.map(|r| r.normalize().transpose()));
+    let unit = equations.unit_rows();
     let wanted = Vec3::from_fn(|i, _| rhs[i] / row[i].norm()) - unit * middle;
-    let shift = unit.svd(true, true).solve(&wanted, unknown).unwrap_or_else(|_| Vec3::zeros());
-    x0 + middle + shift
+    let solution = unit.svd(true, true).solve(&wanted, UNKNOWN);
+    x0 + middle + solution.unwrap_or_else(|_| Vec3::zeros())
 }
 
 fn tetrahedron(roles: &Roles) -> (f64, [Vec3; 4]) {

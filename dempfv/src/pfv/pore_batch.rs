@@ -7,7 +7,7 @@ use super::frame::FACETS;
 use super::lanes::{
     LANES, Lane, Lanes, add, cross, dot, get, load, load3, put, scale, store, store3, sub,
 };
-use super::pore::{FLAT_SPHERES, Pore};
+use super::pore::{FLAT, Pore};
 use crate::Vec3;
 
 /// The spheres of the pores, by component; then the results.
@@ -105,7 +105,7 @@ fn evaluate<S: Simd>(simd: S, b: &mut PoreBatch, step: usize) {
         lengths2 = lengths2 * length2;
     }
     let determinant = dot(row[0], by[0]);
-    let flat = ((FLAT_SPHERES * FLAT_SPHERES) * lengths2).above_or_at(determinant * determinant);
+    let flat = ((FLAT * FLAT) * lengths2).above_or_at(determinant * determinant);
     store(&mut b.flat, step, flat.choose(one, zero));
     let inverse = one / determinant;
     store3(&mut b.center, step, add(x[0], scale(inverse, sum)));

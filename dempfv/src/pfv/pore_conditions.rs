@@ -153,10 +153,14 @@ impl PoreConditions {
         for pore in pores {
             self.set_of[pore as usize] = set;
         }
-        let imposed = || self.pressure.iter().flatten();
-        let mean = imposed().sum::<f64>() / imposed().count().max(1) as f64;
-        self.pressure.push(Some(mean));
+        self.pressure.push(Some(self.mean_pressure()));
         self.pinned = true;
+    }
+
+    /// Mean of the imposed pressures (Pa); 0 where there are none.
+    pub(super) fn mean_pressure(&self) -> f64 {
+        let imposed = || self.pressure.iter().flatten();
+        imposed().sum::<f64>() / imposed().count().max(1) as f64
     }
 
     /// Number of sets that were imposed: six walls, and those beside them.

@@ -17,6 +17,12 @@ use crate::solver::{
 const DEFAULT_TOLERANCE: f64 = 1e-11;
 /// Solves for a correction, at most: the first and three refinements.
 const MAX_CORRECTIONS: usize = 4;
+/// Solves that make the response of pores without a path to an imposed pressure right to about six
+/// digits.
+const RESPONSE_ROUNDS: usize = 2;
+/// Of what fills the pores in one step this share is resolved to the digits that a tolerance may ask
+/// for: less than that flowing counts as so much.
+const RESOLVED_SHARE: f64 = 1e-4;
 /// Round-off of pressures, relative to the largest imposed one.
 const ROUND_OFF: f64 = 1e-13;
 
@@ -36,6 +42,10 @@ pub(super) struct PressureSolver {
     scattered: Vec<f64>,
     /// What goes back into its place where a solve fails.
     replaced: Replaced,
+    /// What pores that store fluid take up at the pressures of the moment; empty without.
+    taken: Vec<f64>,
+    /// A residual whose closed groups have been leveled; empty without such groups.
+    leveled: Vec<f64>,
 }
 
 /// How the solves went.
@@ -59,8 +69,10 @@ pub(super) struct PressureProblem<'a> {
     pub demand: &'a [f64],
     /// Of the unknowns, with what came before.
     pub extrapolation: &'a mut Extrapolation,
-    /// Of all pores (Pa).
+    /// Of all pores (Pa, above the reference).
     pub pressure: &'a mut [f64],
+    /// What pressures are measured from (Pa).
+    pub reference: f64,
 }
 
 impl PressureSolver {
@@ -76,7 +88,23 @@ impl PressureSolver {
             gradients: ConjugateGradients::default(),
             scattered: vec![],
             replaced: Replaced::default(),
+            taken: vec![],
+            leveled: vec![],
         }
+    }
+
+    /// Factors the matrix of the operators anew, in the place of the old factor.
+    pub fn renew_factor(
+        &mut self,
+        operators: &Operators,
+        fresh: impl FnOnce() -> Result<Box<dyn Factor>, SolverError>,
+    ) -> Result<(), SolverError> {
+        self.statistics.residual = None;
+        self.factor = Some(match self.factor.take() {
+            Some(factor) => factor.refactor(&operators.matrix)?,
+            None => fresh()?,
+        });
+        Ok(())
     }
 
     pub fn factor(&self) -> Option<&dyn Factor> {
@@ -91,30 +119,29 @@ impl PressureSolver {
     /// until the tolerance holds.
     pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
         extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
         let net_rate = NetVolumeRate::of(demand);
         let gain_is_due = extrapolation.gain_is_due();
+        let mut balance = Balance { net_rate, flux: &mut self.flux, taken: &mut self.taken };
         let Some(factor) = self.factor.as_deref_mut() else {
-            operators.evaluate_flux(pressure, demand, &mut self.flux);
-            self.statistics.imbalance = net_rate.imbalance(&self.flux);
+            self.statistics.imbalance = balance.imbalance(operators, demand, pressure);
             extrapolation.solved();
             check_finite(pressure)?;
             self.statistics.solved = true;
             return Ok(());
         };
         self.statistics.unmet = None;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure };
+        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
         let mut refined = RefinedPressures {
             factor,
             problem,
-            net_rate,
+            balance,
             gain_is_due,
             tolerance: self.tolerance,
             statistics: &mut self.statistics,
             rhs: &mut self.rhs,
             correction: &mut self.correction,
-            flux: &mut self.flux,
             last_change: 0.0,
             largest: 0.0,
             error: 0.0,
@@ -152,15 +179,15 @@ impl PressureSolver {
         tolerance: f64,
     ) -> Result<Iterations, PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure } = problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
         let mut went = Iterations::default();
         if let Some(factor) = self.factor.as_deref_mut() {
             extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
             self.scattered.resize(pressure.len(), 0.0);
             operators.evaluate_residual(pressure, demand, &mut self.rhs);
-            let goal = goal(operators.conditions(), operators.unknowns(), tolerance);
+            let goal = goal(operators.conditions(), reference, operators.unknowns(), tolerance);
             let mut matrix = ThroatwiseMatrix { operators, scattered: &mut self.scattered };
-            let mut factor = AgedFactor { factor, weakened };
+            let mut factor = AgedFactor { factor, weakened, operators, leveled: &mut self.leveled };
             let (x, residual) = (&mut extrapolation.now, &mut self.rhs);
             let solved = self.gradients.solve(&mut matrix, &mut factor, x, residual, &goal);
             went = solved.inspect_err(|_| {
@@ -168,9 +195,10 @@ impl PressureSolver {
             })?;
         }
         extrapolation.solved();
-        operators.evaluate_pressures(&extrapolation.now, pressure);
-        operators.evaluate_flux(pressure, demand, &mut self.flux);
-        self.statistics.imbalance = NetVolumeRate::of(demand).imbalance(&self.flux);
+        operators.evaluate_pressures(&extrapolation.now, reference, pressure);
+        let net_rate = NetVolumeRate::of(demand);
+        let mut balance = Balance { net_rate, flux: &mut self.flux, taken: &mut self.taken };
+        self.statistics.imbalance = balance.imbalance(operators, demand, pressure);
         check_finite(pressure)?;
         self.statistics.solved = true;
         Ok(went)
@@ -186,12 +214,35 @@ impl PressureSolver {
         pressure: &mut [f64],
     ) -> Result<bool, PfvError> {
         let Some(factor) = &mut self.factor else { return Ok(false) };
-        for (b, &pore) in self.rhs.iter_mut().zip(&operators.pore_of) {
+        let PressureSolver { rhs, correction, leveled, .. } = self;
+        for (b, &pore) in rhs.iter_mut().zip(&operators.pore_of) {
             *b = -volume_rate[pore as usize];
         }
-        factor.solve(&self.rhs, &mut self.correction)?;
-        for (p, &pore) in self.correction.iter().zip(&operators.pore_of) {
-            pressure[pore as usize] = *p;
+        if !operators.has_closed() {
+            factor.solve(rhs, correction)?;
+            for (p, &pore) in correction.iter().zip(&operators.pore_of) {
+                pressure[pore as usize] = *p;
+            }
+            return Ok(true);
+        }
+        // The factor has the means of closed groups wrong: they are leveled before each round, and
+        // what a round leaves of their means is leveled last.
+        for &pore in &operators.pore_of {
+            pressure[pore as usize] = 0.0;
+        }
+        leveled.resize(rhs.len(), 0.0);
+        for round in 0..=RESPONSE_ROUNDS {
+            operators.conduct(pressure, leveled);
+            leveled.iter_mut().zip(&*rhs).for_each(|(r, b)| *r = b - *r);
+            operators.level_closed(leveled, |u, change| {
+                pressure[operators.pore_of[u] as usize] += change;
+            });
+            if round < RESPONSE_ROUNDS {
+                factor.correct(leveled, correction)?;
+                for (p, &pore) in correction.iter().zip(&operators.pore_of) {
+                    pressure[pore as usize] += *p;
+                }
+            }
         }
         Ok(true)
     }
@@ -207,18 +258,41 @@ fn check_finite(pressure: &[f64]) -> Result<(), PfvError> {
     Err(PfvError::PressureNotFinite { pore: pore as u32 })
 }
 
+/// What flows from pores with an imposed pressure against what all pores take up.
+struct Balance<'a> {
+    /// Of what the pores take up whatever their pressures.
+    net_rate: NetVolumeRate,
+    flux: &'a mut [f64],
+    taken: &'a mut Vec<f64>,
+}
+
+impl Balance<'_> {
+    /// See [`Operators::imbalance`].
+    fn imbalance(&mut self, operators: &Operators, demand: &[f64], pressure: &[f64]) -> f64 {
+        let Some(storage) = operators.storage() else {
+            operators.evaluate_flux(pressure, demand, self.flux);
+            return self.net_rate.imbalance(self.flux);
+        };
+        self.taken.clear();
+        self.taken.extend_from_slice(demand);
+        storage.add_uptake(pressure, self.taken);
+        operators.evaluate_flux(pressure, self.taken, self.flux);
+        let resolved = RESOLVED_SHARE * storage.refill(pressure);
+        NetVolumeRate::of(self.taken).at_least(resolved).imbalance(self.flux)
+    }
+}
+
 /// Pressures that are corrected by the factor of their matrix.
 struct RefinedPressures<'a> {
     factor: &'a mut dyn Factor,
     problem: PressureProblem<'a>,
-    net_rate: NetVolumeRate,
+    balance: Balance<'a>,
     /// What a correction leaves is to be looked up.
     gain_is_due: bool,
     tolerance: f64,
     statistics: &'a mut SolveStatistics,
     rhs: &'a mut [f64],
     correction: &'a mut [f64],
-    flux: &'a mut [f64],
     /// Size of the last correction (Pa).
     last_change: f64,
     /// Largest pressure (Pa).
@@ -229,8 +303,12 @@ struct RefinedPressures<'a> {
 
 impl Refinement for RefinedPressures<'_> {
     fn evaluate_residual(&mut self) {
-        let PressureProblem { operators, demand, pressure, .. } = &self.problem;
+        let PressureProblem { operators, demand, pressure, extrapolation, .. } = &mut self.problem;
         operators.evaluate_residual(pressure, demand, self.rhs);
+        operators.level_closed(self.rhs, |u, change| {
+            extrapolation.now[u] += change;
+            pressure[operators.pore_of[u] as usize] = extrapolation.now[u];
+        });
     }
 
     fn evaluate_correction(&mut self) -> Result<(), SolverError> {
@@ -246,12 +324,11 @@ impl Refinement for RefinedPressures<'_> {
     /// Enough is enough when both the imbalance of fluid mass and the error are small; the
     /// error is known by what a correction has been seen to leave.
     fn correct(&mut self, round: usize) -> ControlFlow<()> {
-        let PressureProblem { operators, demand, extrapolation, pressure } = &mut self.problem;
+        let PressureProblem { operators, demand, extrapolation, pressure, .. } = &mut self.problem;
         let Sizes { change, pressure: largest } =
             extrapolation.correct(self.correction, &operators.pore_of, pressure);
         self.largest = largest;
-        operators.evaluate_flux(pressure, demand, self.flux);
-        self.statistics.imbalance = self.net_rate.imbalance(self.flux);
+        self.statistics.imbalance = self.balance.imbalance(operators, demand, pressure);
         if round == 1 {
             extrapolation.observe_gain(change, self.last_change);
         }
@@ -290,12 +367,19 @@ impl LinearOperator for ThroatwiseMatrix<'_> {
 struct AgedFactor<'a> {
     factor: &'a mut dyn Factor,
     weakened: &'a [WeakenedThroat],
+    operators: &'a Operators,
+    leveled: &'a mut Vec<f64>,
 }
 
 impl Preconditioner for AgedFactor<'_> {
     fn precondition(&mut self, r: &[f64], correction: &mut [f64]) -> Result<(), SolverError> {
         self.factor.correct(r, correction)?;
         correct_weakened(self.weakened, r, correction);
+        if self.operators.has_closed() {
+            self.leveled.clear();
+            self.leveled.extend_from_slice(r);
+            self.operators.level_closed(self.leveled, |u, change| correction[u] += change);
+        }
         Ok(())
     }
 }
@@ -319,8 +403,13 @@ fn correct_weakened(weakened: &[WeakenedThroat], residual: &[f64], correction: &
 
 /// Pressures are measured from the mean imposed one, and their round-off follows from the
 /// largest.
-fn goal(conditions: &PoreConditions, unknowns: usize, relative_error: f64) -> ErrorGoal {
-    let imposed = || conditions.pressures().iter().flatten();
+fn goal(
+    conditions: &PoreConditions,
+    reference: f64,
+    unknowns: usize,
+    relative_error: f64,
+) -> ErrorGoal {
+    let imposed = || conditions.pressures().iter().flatten().map(|p| p - reference);
     let datum = imposed().sum::<f64>() / imposed().count().max(1) as f64;
     let largest = imposed().fold(0.0f64, |m, p| m.max(p.abs()));
     ErrorGoal { relative_error, datum, round_off: ROUND_OFF * largest * (unknowns as f64).sqrt() }

@@ -169,6 +169,12 @@ pub(super) fn throat(
     })
 }
 
+/// Area times the normal of the facet with these vertices (m²), on the side from which they turn
+/// counterclockwise. `None` for a facet of three walls.
+pub(super) fn area_vector(frame: &Frame, facet: [u32; 3]) -> Option<Vec3> {
+    Facet::new(frame, facet).map(|facet| facet.area_vector)
+}
+
 impl ThroatLimit {
     /// The first of two limits that there is.
     fn or(self, other: ThroatLimit) -> ThroatLimit {

@@ -1,6 +1,7 @@
 //! Pressures of one network for the pores of another of the same spheres.
 
 use super::operators::Incidence;
+use super::pore_pressures::PorePressures;
 use super::{Network, Operators};
 use crate::Vec3;
 use crate::parallel::for_each;
@@ -15,32 +16,52 @@ pub struct TransferSource {
     spheres: usize,
     cells: Vec<[u32; 4]>,
     center: Vec<Vec3>,
-    pressure: Vec<f64>,
+    pressures: PorePressures,
     around: Incidence,
+    /// What the pores stored (m³), where they do.
+    content: Option<f64>,
 }
 
 impl TransferSource {
-    pub(super) fn new(network: Network, around: Incidence, pressure: Vec<f64>) -> TransferSource {
+    pub(super) fn new(
+        network: Network,
+        around: Incidence,
+        pressures: PorePressures,
+        content: Option<f64>,
+    ) -> TransferSource {
         let Network { tessellation, center, .. } = network;
         TransferSource {
             spheres: tessellation.spheres,
             cells: tessellation.cells,
             center,
-            pressure,
+            pressures,
             around,
+            content,
         }
     }
 
-    /// Writes the pressures (Pa) of another network's unknowns. Leaves them as
-    /// they are where that network has another number of spheres.
-    pub(super) fn write(&self, network: &Network, operators: &Operators, solution: &mut [f64]) {
+    /// What the pores stored (m³), for another network of the same spheres.
+    pub(super) fn content_for(&self, network: &Network) -> Option<f64> {
+        self.content.filter(|_| network.tessellation.spheres == self.spheres)
+    }
+
+    /// Writes the pressures (Pa, above the reference) of another network's unknowns. Leaves them
+    /// as they are where that network has another number of spheres.
+    pub(super) fn write(
+        &self,
+        network: &Network,
+        operators: &Operators,
+        reference: f64,
+        solution: &mut [f64],
+    ) {
         if network.tessellation.spheres != self.spheres {
             return;
         }
+        let shift = self.pressures.reference - reference;
         for_each(solution, &|u, p| {
             let pore = operators.pore_of[u] as usize;
             let old = self.counterpart(&network.tessellation.cells[pore], &network.center[pore]);
-            *p = self.pressure[old];
+            *p = self.pressures.relative[old] + shift;
         });
     }
 

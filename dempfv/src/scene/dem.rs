@@ -85,7 +85,7 @@ const DT: Number = number("s, or \"auto\"", Bound::Positive);
 
 impl Kind<TimeStep> for Steps {
     fn read(&self, value: &Value) -> Result<TimeStep> {
-        match value.is_text() {
+        match value.is_name() {
             true => value.choice(&[("auto", TimeStep::Auto)]),
             false => DT.read(value).map(TimeStep::Fixed),
         }

@@ -22,6 +22,28 @@ impl Difference {
         self.path.len() >= keys.len() && self.path.iter().zip(keys).all(|(a, b)| a == b)
     }
 
+    /// Whether it is that of `max_velocity` in `[walls]`, which a stage without a value of its own
+    /// has taken over.
+    pub(crate) fn is_inherited(&self, all: &[Difference]) -> bool {
+        const KEY: &str = "max_velocity";
+        let Some(default) = all.iter().find(|d| d.path == ["walls", KEY]) else { return false };
+        // A servo's table stands as a whole where it has gained or lost the key.
+        let without = |text: &Option<String>, value: &Option<String>| match (text, value) {
+            (Some(text), Some(value)) => Some(text.replace(&format!(", {KEY} = {value}"), "")),
+            (text, _) => text.clone(),
+        };
+        let (before, now) = (&self.before, &self.now);
+        match &self.path[..] {
+            [stage, _, .., key] if stage == "stage" && key == KEY => {
+                (before, now) == (&default.before, &default.now)
+            }
+            [stage, _, walls, _] if stage == "stage" && walls == "walls" => {
+                before.is_some() && without(before, &default.before) == without(now, &default.now)
+            }
+            _ => false,
+        }
+    }
+
     /// Name of the key in messages: `` `viscosity` in [fluid] ``.
     pub fn name(&self) -> String {
         match &self.path[..] {

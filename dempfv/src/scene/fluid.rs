@@ -8,10 +8,12 @@ use super::schema::Schema;
 use super::table::{Bound, Table, Value};
 use super::wrong::Wrong;
 use crate::coupling::{
-    Acceleration, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation, Swap, Update,
+    Acceleration, FluidEffects, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation,
+    Swap, Update,
 };
 use crate::domain::WallId;
 use crate::input::InputError;
+use crate::pfv::terms::COMPRESSIBILITY;
 use crate::pfv::{self, Boundary, Clamp};
 use crate::solver::SolverKind;
 
@@ -21,6 +23,7 @@ pub(super) static SCHEMA: Schema = Schema::table(
     "[fluid]",
     &[
         "viscosity",
+        "bulk_modulus",
         "remesh_interval",
         "remesh_strain",
         "remesh",
@@ -47,6 +50,9 @@ pub struct Fluid {
     /// the walls, without bounds on conductances, no pressure imposed.
     #[serde(flatten)]
     pub fluid: pfv::Fluid,
+    /// What it does beside flowing. Default: nothing.
+    #[serde(flatten)]
+    pub effects: FluidEffects,
     /// When networks are built anew. Default: every 200 steps.
     pub remesh: RemeshRule,
     /// How they are renewed while the spheres move on. Default: plainly.
@@ -67,6 +73,7 @@ impl Default for Fluid {
                 clamp: Clamp::None,
                 boundary: Boundary::default(),
             },
+            effects: FluidEffects::default(),
             remesh: RemeshRule { interval: Some(200), strain: None },
             acceleration: Acceleration::default(),
             solver: SolverKind::default(),
@@ -93,8 +100,10 @@ impl Keyed for Fluid {
     }
 
     fn keys(&mut self, keys: &mut Keys) -> Result<()> {
-        let Fluid { fluid, remesh, acceleration, .. } = self;
+        let Fluid { fluid, effects, remesh, acceleration, .. } = self;
         keys.need_number("viscosity", number("Pa·s", Bound::Positive), &mut fluid.viscosity)?;
+        let modulus = Maybe(number("Pa", Bound::Positive));
+        keys.take("bulk_modulus", &modulus, &mut effects.bulk_modulus)?;
         keys.take("remesh_strain", &Maybe(number("", Bound::Positive)), &mut remesh.strain)?;
         interval(keys, remesh, acceleration)?;
         networks(keys, acceleration)?;
@@ -150,7 +159,7 @@ struct Intervals;
 
 impl Kind<Interval> for Intervals {
     fn read(&self, value: &Value) -> Result<Interval> {
-        match value.is_text() {
+        match value.is_name() {
             true => value.choice(&[("auto", Interval::Auto)]),
             false => value.count(1).map(Interval::Steps),
         }
@@ -271,7 +280,7 @@ impl Fluid {
     /// An incompressible fluid whose pressure is imposed nowhere has a singular system: what is
     /// wrong where a stage of this name couples it.
     pub(super) fn undetermined_in(&self, stage: &str) -> Option<Wrong> {
-        if self.pressure_walls().next().is_some() {
+        if self.pressure_walls().next().is_some() || self.effects.store() {
             return None;
         }
         Some(Wrong::new(
@@ -279,7 +288,7 @@ impl Fluid {
                 "has no wall with imposed pressure and no storage: pressures in stage \"{stage}\" \
                  are undetermined"
             ),
-            "add `pressure = { y_max = 0.0 }` (Pa) for at least one wall",
+            "add `pressure = { y_max = 0.0 }` (Pa) for at least one wall, or a `bulk_modulus` (Pa)",
         ))
     }
 
@@ -288,12 +297,13 @@ impl Fluid {
     pub(super) fn effects(
         flow: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static str, bool); 7] {
+    ) -> [(&'static str, bool); 8] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         [
             ("pore flow", flow.is_some()),
             ("fluid forces on spheres", coupled.is_some()),
             ("wall slip", is(flow, |f| f.fluid.slip_walls)),
+            (COMPRESSIBILITY.name, is(coupled, |f| f.effects.bulk_modulus.is_some())),
             ("conductance clamp", is(flow, |f| f.fluid.clamp != Clamp::None)),
             ("background remesh", is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
             ("network at every step", is(coupled, |f| f.acceleration.update == Update::EveryStep)),

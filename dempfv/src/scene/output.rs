@@ -13,7 +13,7 @@ type Result<T> = std::result::Result<T, InputError>;
 
 pub(super) static SCHEMA: Schema = Schema::table(
     "[output]",
-    &["history_every", "vtk_every", "checkpoint_every", "pictures", "probes"],
+    &["history_every", "vtk_every", "checkpoint_every", "pictures", "energy", "probes"],
 );
 
 /// What is written, and how often.
@@ -27,6 +27,8 @@ pub struct Output {
     pub checkpoint_every: u64,
     /// Are pictures drawn at the end? Default true.
     pub pictures: bool,
+    /// Is energy tracked by cause? Default true.
+    pub energy: bool,
     /// Points whose pore pressure is in the history (m). Default: none.
     pub probes: Vec<Vec3>,
 }
@@ -38,6 +40,7 @@ impl Default for Output {
             vtk_every: 0,
             checkpoint_every: 0,
             pictures: true,
+            energy: true,
             probes: vec![],
         }
     }
@@ -55,6 +58,7 @@ impl Keyed for Output {
         keys.take("vtk_every", &Count(0), &mut self.vtk_every)?;
         keys.take("checkpoint_every", &Count(0), &mut self.checkpoint_every)?;
         keys.take("pictures", &Flag, &mut self.pictures)?;
+        keys.take("energy", &Flag, &mut self.energy)?;
         keys.take("probes", &POINTS, &mut self.probes)
     }
 }

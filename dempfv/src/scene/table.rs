@@ -7,6 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::nearest::{nearest, suggestion};
 use super::schema::Schema;
+use super::syntax::number_in_quotes;
 use super::wrong::Wrong;
 use crate::domain::{Vec3, WallId};
 use crate::excerpt::excerpt;
@@ -198,6 +199,14 @@ impl<'a> Value<'a> {
         self.error(&format!("is {}", self.found()), format!("give {wanted}"))
     }
 
+    /// As [`Value::wrong_type`], where a number is wanted.
+    fn wrong_number(&self, wanted: &str) -> InputError {
+        match self.node.as_str().and_then(number_in_quotes) {
+            Some(spelling) => self.wrong_type(&format!("{wanted}, {spelling}")),
+            None => self.wrong_type(wanted),
+        }
+    }
+
     /// What stands there, in words.
     fn found(&self) -> String {
         match self.node {
@@ -220,7 +229,7 @@ impl<'a> Value<'a> {
             DeValue::Float(f) => f.as_str().parse().ok(),
             _ => None,
         };
-        x.filter(|&x| bound.holds(x)).ok_or_else(|| self.wrong_type(&wanted))
+        x.filter(|&x| bound.holds(x)).ok_or_else(|| self.wrong_number(&wanted))
     }
 
     /// An angle in degrees, returned in radians.
@@ -235,7 +244,7 @@ impl<'a> Value<'a> {
             _ => self.whole(),
         };
         n.filter(|&n| n >= least && n <= i64::MAX as u64)
-            .ok_or_else(|| self.wrong_type(&format!("a whole number of {least} or more")))
+            .ok_or_else(|| self.wrong_number(&format!("a whole number of {least} or more")))
     }
 
     /// The whole number that a number with a point or an exponent is, as in 1e3.
@@ -261,9 +270,9 @@ impl<'a> Value<'a> {
         self.node.as_str().ok_or_else(|| self.wrong_type(&format!("a text in quotes: {what}")))
     }
 
-    /// True when a text stands here.
-    pub fn is_text(&self) -> bool {
-        self.node.is_str()
+    /// True when a text stands here that is not a number in quotes.
+    pub fn is_name(&self) -> bool {
+        self.node.as_str().is_some_and(|text| number_in_quotes(text).is_none())
     }
 
     /// An error about this value.

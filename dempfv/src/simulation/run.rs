@@ -229,7 +229,7 @@ impl Simulation {
         let unstable = self.plan.stages.get(self.stage).filter(|_| looked_for);
         match unstable.and_then(|stage| UnstableStage::of(&self.plan, stage, bounds)) {
             Some(UnstableStage { dt, limit, rule, .. }) => {
-                Error::Unstable { source: Box::new(source), dt, limit, rule }
+                Error::Unstable { source: Box::new(source.without_cause()), dt, limit, rule }
             }
             None => source,
         }
@@ -430,6 +430,7 @@ fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
         wall_material: plan.walls.material,
         options: setup::options(plan),
         saturation: fluid.filter(|_| is_wet).map(|f| f.saturation()),
+        effects: fluid.map(|f| f.effects.clone()).unwrap_or_default(),
         acceleration: fluid.map(|f| f.acceleration).unwrap_or_default(),
         tolerance: fluid.map(|f| f.tolerance),
         probes: plan.output.probes.clone(),

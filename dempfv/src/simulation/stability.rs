@@ -54,6 +54,7 @@ impl Stability {
         hold_walls(coupled.controls(), &stage.kind)?;
         coupled.compute_contacts()?;
         coupled.saturate(fluid.saturation());
+        coupled.set_fluid_effects(fluid.effects.clone());
         coupled.update_viscous_mode(true)?;
         let bounds = coupled.time_step_bounds();
         let id = &coupled.dem().storage().id;

@@ -15,6 +15,8 @@ pub enum Warning {
     UnstableTimeStep(UnstableStage),
     /// A servo wall has not held its stress.
     ServoMissed(ServoMissed),
+    /// The load of a consolidation has not come at once.
+    LateLoad(LateLoad),
     /// A restart has changed what is simulated.
     Restarted {
         /// Steps that were done before.
@@ -50,6 +52,35 @@ impl fmt::Display for ServoMissed {
     }
 }
 
+/// A consolidation whose load took a time that is not short beside that of the consolidation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LateLoad {
+    /// The stage's name.
+    pub stage: String,
+    /// The loaded wall.
+    pub wall: WallId,
+    /// Time until nine tenths of the load were there (s); `None` where they never were.
+    pub arrived: Option<f64>,
+    /// Square of the drainage path over c_v (s).
+    pub consolidation: f64,
+}
+
+impl fmt::Display for LateLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LateLoad { stage, wall, arrived, consolidation } = self;
+        write!(f, "stage \"{stage}\": nine tenths of the load on {wall} were there ")?;
+        match arrived {
+            Some(after) => write!(f, "after {after:.3e} s, T_v = {:.3}", after / consolidation)?,
+            None => f.write_str("at no time")?,
+        }
+        write!(
+            f,
+            ", and d²/c_v is {consolidation:.3e} s: the theory is that of a load put on at once; give a larger \
+             max_velocity"
+        )
+    }
+}
+
 impl Warning {
     /// Whether another one says the same again, of the same stage.
     fn repeats(&self, other: &Warning) -> bool {
@@ -58,6 +89,7 @@ impl Warning {
             (Warning::ServoMissed(a), Warning::ServoMissed(b)) => {
                 (&a.stage, a.wall) == (&b.stage, b.wall)
             }
+            (Warning::LateLoad(a), Warning::LateLoad(b)) => a.stage == b.stage,
             _ => false,
         }
     }
@@ -68,6 +100,7 @@ impl fmt::Display for Warning {
         match self {
             Warning::UnstableTimeStep(stage) => stage.fmt(f),
             Warning::ServoMissed(missed) => missed.fmt(f),
+            Warning::LateLoad(late) => late.fmt(f),
             Warning::Restarted { step, change } => write!(f, "restart at step {step}: {change}"),
         }
     }

@@ -1,7 +1,7 @@
 //! Rows of the fluid.
 
 use super::{NO_LENGTHS, Table};
-use dempfv::pfv::terms::{PoreSource, Sources};
+use dempfv::pfv::terms::{Compressibility, FluidTerm, PoreSource, Sources, StepTerms};
 use dempfv::pfv::{
     Assembled, Boundary, Clamp, Derivatives, Flow, Fluid, ImposedPressure, Network, Operators,
     PfvError, PoreConditions, PoreSelection,
@@ -117,6 +117,30 @@ pub fn table() -> Table {
     making(&mut t, "pfv::Assembled::new", |x, r, b, f| Assembled::new(x, r, b, f).map(drop));
     making(&mut t, "pfv::Assembled::with_imposed", |x, r, b, f| {
         Assembled::with_imposed(x, r, b, f, &[]).map(drop)
+    });
+    making(&mut t, "pfv::Assembled::with_terms", |x, r, b, f| {
+        let terms: Vec<Box<dyn FluidTerm>> = vec![Box::new(Compressibility::new(1e6).unwrap())];
+        Assembled::with_terms(x, r, b, f, &[], StepTerms { terms, time_step: 1.0 }).map(drop)
+    });
+    for value in NO_LENGTHS {
+        let storing =
+            || -> Vec<Box<dyn FluidTerm>> { vec![Box::new(Compressibility::new(1e6).unwrap())] };
+        t.refuses("pfv::Assembled::with_terms", "time_step", || {
+            let terms = StepTerms { terms: storing(), time_step: value };
+            Assembled::with_terms(&X, &R, UNIT, &water(), &[], terms)
+        });
+        t.refuses("pfv::Flow::set_time_step", "time_step", || flow().set_time_step(value));
+        t.refuses("pfv::terms::Compressibility::new", "bulk_modulus", || {
+            Compressibility::new(value)
+        });
+    }
+    t.refuses("pfv::Flow::set_term", "stores fluid", || {
+        flow().set_term(Box::new(Compressibility::new(1e6).unwrap()))
+    });
+    t.refuses("pfv::Network::void_volumes", "position", || network().0.void_volumes(&[], &R));
+    t.refuses("pfv::Network::void_volumes", "radius", || network().0.void_volumes(&X, &R[..1]));
+    t.refuses("pfv::Network::void_volumes", "radius[1]", || {
+        network().0.void_volumes(&X, &[R[0], f64::NAN])
     });
     making(&mut t, "pfv::Flow::new", |x, r, b, f| {
         Flow::new(x, r, b, f, SolverKind::default()).map(drop)

@@ -2,15 +2,17 @@
 
 use dempfv::WallId;
 use dempfv::coupling::TimeStepBounds;
-use dempfv::dem::WallControl;
+use dempfv::dem::{EnergyBalance, WallControl};
 use dempfv::io::history::Value;
 use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities, then one for each of the plan's probes, then the lowest and the highest
-/// stress on each of the `servos` of any step since the row before, then the bonds, if any.
+/// per-wall quantities, then energy by cause where it is tracked, then one for each of the plan's
+/// probes, then the lowest and the highest stress on each of the `servos` of any step since the row
+/// before, then the bonds, if any.
 pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
+    let output = &plan.output;
     let mut names: Vec<String> = [
         "step",
         "time_s",
@@ -47,8 +49,10 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     ] {
         names.extend(WallId::ALL.map(|w| format!("{quantity}_{w}_{unit}")));
     }
-    let probes = plan.output.probes.len();
-    names.extend((1..=probes).map(|k| format!("probe_{k}_pressure_pa")));
+    if output.energy {
+        names.extend(ENERGY.map(|(name, _)| name.to_owned()));
+    }
+    names.extend((1..=output.probes.len()).map(|k| format!("probe_{k}_pressure_pa")));
     names.extend(
         servos
             .iter()
@@ -59,6 +63,23 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     }
     names
 }
+
+/// A term of the energy balance (J).
+type EnergyTerm = fn(&EnergyBalance) -> f64;
+
+/// Energy by cause, beside the kinetic and the elastic energy.
+const ENERGY: [(&str, EnergyTerm); 10] = [
+    ("gravity_energy_j", |b| b.gravity),
+    ("friction_loss_j", |b| b.friction),
+    ("contact_damping_loss_j", |b| b.contact_damping),
+    ("rolling_loss_j", |b| b.rolling),
+    ("breakage_loss_j", |b| b.breakage),
+    ("touch_change_loss_j", |b| b.touch_change),
+    ("local_damping_loss_j", |b| b.local_damping),
+    ("fluid_work_j", |b| b.fluid_work),
+    ("wall_work_j", |b| b.wall_work),
+    ("energy_residual_j", |b| b.residual),
+];
 
 /// The walls that a servo holds in any stage of a plan.
 pub fn servo_walls(plan: &Plan) -> Vec<WallId> {
@@ -103,6 +124,11 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
     values.extend([trail.background_s, trail.steps_per_s].map(Value::from));
     for six in [seen.contact_stress, seen.fluid_stress, seen.wall_displacement, seen.flux] {
         values.extend(six.map(Value::from));
+    }
+    if simulation.plan().output.energy {
+        let balance = simulation.coupled().dem().energy_balance();
+        let term = |of: EnergyTerm| balance.as_ref().map_or(f64::NAN, of);
+        values.extend(ENERGY.map(|(_, of)| Value::from(term(of))));
     }
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use dempfv::coupling::{Coupled, GpuUse};
+use dempfv::dem::EnergyBalance;
 use dempfv::scene::{Dem, TimeStep};
 use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
@@ -64,6 +65,8 @@ pub struct Report {
     largest_residual: f64,
     /// Largest relative imbalance of fluid mass of any step.
     largest_imbalance: f64,
+    /// Energy by cause (J) since the last stage that grew spheres; `None` where it is not tracked.
+    energy: Option<EnergyBalance>,
     peak_memory_bytes: Option<u64>,
     threads: usize,
     solver: Option<&'static str>,
@@ -157,6 +160,7 @@ impl Report {
             remesh: plan.fluid.is_some().then(|| Remesh::of(coupled)),
             largest_residual: coupled.largest_residual(),
             largest_imbalance: coupled.largest_imbalance(),
+            energy: coupled.dem().energy_balance(),
             peak_memory_bytes: machine::own_memory(machine::PEAK),
             threads,
             solver: plan.fluid.as_ref().map(|f| f.solver.name()),

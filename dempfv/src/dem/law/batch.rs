@@ -8,6 +8,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
+use super::loss::{Loss, Losses};
 use super::vector::Vector;
 
 /// Contacts evaluated at a time: enough to fill vector units and to hide
@@ -148,10 +149,14 @@ pub struct Batch<G, H: History> {
     /// Length of the step whose motion the histories follow (s), or 0 if they
     /// have followed it already: not even round-off may change them then.
     pub dt: f64,
+    /// Whether the law shall book what its contacts dissipate: [`Batch::book`].
+    pub tracks_energy: bool,
+    /// Out: what all batches so far have dissipated (J).
+    pub(in crate::dem) losses: Losses,
 }
 
 impl<G: Default, H: History> Batch<G, H> {
-    pub(in crate::dem) fn new(dt: f64) -> Batch<G, H> {
+    pub(in crate::dem) fn new(dt: f64, tracks_energy: bool) -> Batch<G, H> {
         Batch {
             count: 0,
             slot: [0; CONTACTS_PER_BATCH],
@@ -161,11 +166,22 @@ impl<G: Default, H: History> Batch<G, H> {
             force: [ZERO_LANE; 3],
             torque: [[ZERO_LANE; 3]; 2],
             dt,
+            tracks_energy,
+            losses: Losses::default(),
         }
     }
 }
 
 impl<G, H: History> Batch<G, H> {
+    /// Books what each contact has dissipated in this step (J) by a cause. Lanes beyond the last
+    /// contact are ignored.
+    #[inline(always)]
+    pub fn book(&mut self, cause: Loss, energy: &Lane) {
+        for &energy in &energy[..self.count.min(CONTACTS_PER_BATCH)] {
+            self.losses.add(cause, energy);
+        }
+    }
+
     /// The lanes to be computed: whole vector registers, so that those beyond
     /// the last contact are among them.
     #[inline(always)]

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::batch::{Batch, get, put};
+use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
+use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::vector::{add_scaled, dot, scaled};
 use crate::dem::error::DemError;
@@ -81,12 +82,12 @@ impl Bonds {
 pub(super) struct Bond(pub [f64; 2]);
 
 impl Bond {
-    pub fn made(overlap: f64) -> Bond {
+    pub(super) fn made(overlap: f64) -> Bond {
         Bond([INTACT, overlap])
     }
 
     #[inline(always)]
-    pub fn intact(self) -> bool {
+    pub(super) fn intact(self) -> bool {
         self.0[0] == INTACT
     }
 
@@ -97,12 +98,12 @@ impl Bond {
 
     /// How far the two spheres are pressed (m): negative only where a bond holds them.
     #[inline(always)]
-    pub fn compression(self, overlap: f64) -> f64 {
+    pub(super) fn compression(self, overlap: f64) -> f64 {
         let compression = overlap - self.0[1];
         if self.intact() { compression } else { compression.max(0.0) }
     }
 
-    pub fn acts(self, overlap: f64) -> bool {
+    pub(super) fn acts(self, overlap: f64) -> bool {
         self.intact() || overlap > self.0[1]
     }
 }
@@ -144,6 +145,41 @@ pub(super) fn hold<G: Geometry>(
         terms.strength[l] = if bond.intact() { bonds.cohesion * area } else { 0.0 };
         store(batch, slot, l, bond);
     }
+}
+
+/// Keeps what the bonds are before the step, for [`lose`].
+#[inline(always)]
+pub(super) fn remember<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms, slot: usize) {
+    terms.before = [batch.history[slot], batch.history[slot + 1]];
+}
+
+/// The elastic energy of the springs of bonds that have broken.
+#[inline(always)]
+pub(super) fn lose<G: Geometry>(
+    batch: &mut Batch<G, Memory>,
+    terms: &Terms,
+    parameters: impl Fn(usize) -> GranularParameters,
+    slot: usize,
+) {
+    let mut lost = ZERO_LANE;
+    for l in batch.lanes() {
+        let stiffness = batch.geometry.radii(l).reduced(parameters(l).modulus);
+        let overlap = batch.geometry.overlap(l);
+        let energy = |bond: Bond| {
+            let compression = bond.compression(overlap);
+            0.5 * stiffness * compression * compression
+        };
+        let before = Bond([terms.before[0][l], terms.before[1][l]]);
+        let now = load(batch, slot, l);
+        let turned = get(&terms.turned, l);
+        let sheared = 0.5 * terms.ratio[l] * dot(turned, turned);
+        // Where friction is left, it has the shear force's energy.
+        let torn = before.intact() && !now.intact() && terms.stiffness[l] == 0.0;
+        let shear_stiffness = parameters(l).shear_ratio * stiffness;
+        let sheared = if torn && sheared > 0.0 { sheared / shear_stiffness } else { 0.0 };
+        lost[l] = energy(before) - energy(now) + sheared;
+    }
+    batch.book(Loss::Breakage, &lost);
 }
 
 /// What friction goes with: not with tension, which takes from the strength.

@@ -169,6 +169,10 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
     /// `MOTION` takes `history` through the step of length `batch.dt`, if that
     /// is not 0. Without `MOTION` there are no velocities and no histories.
     ///
+    /// Where `batch.tracks_energy` is set, the law also books what it dissipates in the step
+    /// ([`Batch::book`]), such that with the elastic energy of [`ContactLaw::elastic_energy`] the
+    /// work of the force, ½ (F₀ + F₁) · slip, is accounted for.
+    ///
     /// `parameters` gives the constants of contact `l`. Mark the function
     /// `#[inline(always)]`: it is compiled once per processor generation.
     fn evaluate<G: Geometry, const MOTION: bool, const TORQUES: bool>(

@@ -79,7 +79,7 @@ impl Granular {
             if exists { 2.0 * p.modulus * contact.contact_radius(overlap) } else { 0.0 }
         } else if self.effects.hertz.is_some() {
             hertz::stiffness(p.modulus, radii.reduced(1.0), overlap)
-        } else if p.bondable || overlap > 0.0 {
+        } else if p.bondable || overlap >= 0.0 {
             radii.reduced(p.modulus)
         } else {
             0.0
@@ -93,6 +93,9 @@ impl Granular {
         overlap: f64,
         history: &Memory,
     ) -> AtRest {
+        if !self.acts(overlap, history) {
+            return AtRest { stiffness: 0.0, force: 0.0, energy: 0.0 };
+        }
         let stiffness = self.normal_stiffness(p, radii, overlap);
         if let Some(contact) = self.jkr(p, radii) {
             let [push, pull] = contact.forces(overlap);
@@ -118,7 +121,9 @@ impl Granular {
         let energy = |resistance: Option<Resistance>, numbers: &[f64]| {
             let force2: f64 = numbers.iter().map(|x| x * x).sum();
             match resistance {
-                Some(resistance) if force2 > 0.0 => 0.5 * force2 / resistance.spring(stiffness),
+                Some(resistance) if force2 > 0.0 && stiffness > 0.0 => {
+                    0.5 * force2 / resistance.spring(stiffness)
+                }
                 _ => 0.0,
             }
         };
@@ -284,7 +289,9 @@ impl ContactLaw for Granular {
     ) -> f64 {
         let AtRest { stiffness, energy, .. } = self.at_rest(p, radii, overlap, history);
         let shear: f64 = history.0[..3].iter().map(|x| x * x).sum();
-        let sheared = if shear > 0.0 { 0.5 * shear / (p.shear_ratio * stiffness) } else { 0.0 };
+        // What no longer touches holds nothing.
+        let held = shear > 0.0 && stiffness > 0.0;
+        let sheared = if held { 0.5 * shear / (p.shear_ratio * stiffness) } else { 0.0 };
         energy + sheared + self.turning_energy(stiffness, history)
     }
 
@@ -327,10 +334,16 @@ impl ContactLaw for Granular {
             _ => terms.grip = terms.push,
         }
         if MOTION && batch.dt != 0.0 {
+            if TORQUES && batch.tracks_energy {
+                self.lose_by_turning(batch, terms, parameters);
+            }
             self.follow::<G, TORQUES>(batch, terms, parameters);
         }
         if MOTION && self.effects.restitution.is_some() {
             shear::limit_drag(batch, terms, parameters);
+        }
+        if MOTION && batch.dt != 0.0 && batch.tracks_energy {
+            self.lose::<G, TORQUES>(batch, terms, parameters);
         }
         sum::<G, MOTION, TORQUES>(batch, terms);
         if TORQUES && let Some(rolling) = &self.effects.rolling {
@@ -366,6 +379,7 @@ impl Granular {
                 jkr::press(batch, terms, parameters, work, self.slots.contact);
             }
             (_, Some(bonds)) if MOTION => {
+                bonds::remember(batch, terms, self.slots.bond);
                 bonds::hold(batch, terms, parameters, bonds, self.slots.bond);
             }
             _ if self.effects.hertz.is_some() => hertz::press(batch, terms, parameters),
@@ -389,7 +403,7 @@ impl Granular {
         shear::follow::<G, TORQUES>(batch, terms, parameters);
         if self.effects.hertz.is_some() {
             if self.jkr_work().is_none() {
-                hertz::shrink(batch, terms);
+                hertz::grow(batch, terms);
             }
             shear::shrink(batch, terms);
         }
@@ -398,10 +412,48 @@ impl Granular {
         }
         shear::slide(batch, terms, parameters);
         if TORQUES && let Some(rolling) = &self.effects.rolling {
-            rolling::follow(batch, terms, parameters, rolling, self.slots.rolling);
+            rolling::follow(batch, terms, rolling, self.slots.rolling);
         }
         if TORQUES && let Some(twisting) = &self.effects.twisting {
             twisting::follow(batch, terms, parameters, twisting, self.slots.twisting);
+        }
+    }
+}
+
+impl Granular {
+    /// Books what has been dissipated but by rolling and twisting.
+    #[inline(always)]
+    fn lose<G: Geometry, const TORQUES: bool>(
+        &self,
+        batch: &mut Batch<G, Memory>,
+        terms: &Terms,
+        parameters: impl Fn(usize) -> GranularParameters + Copy,
+    ) {
+        shear::lose(batch, terms, parameters, self.effects.hertz.is_some());
+        if self.effects.restitution.is_some() {
+            restitution::lose::<G, TORQUES>(batch, terms);
+        }
+        if let Some(work) = self.jkr_work() {
+            jkr::lose(batch, terms, parameters, work, self.slots.contact);
+        }
+        if self.effects.bonds.is_some() {
+            bonds::lose(batch, terms, parameters, self.slots.bond);
+        }
+    }
+
+    /// Books what rolling and twisting dissipate in the step that is to be followed.
+    #[inline(always)]
+    fn lose_by_turning<G: Geometry>(
+        &self,
+        batch: &mut Batch<G, Memory>,
+        terms: &Terms,
+        parameters: impl Fn(usize) -> GranularParameters + Copy,
+    ) {
+        if let Some(rolling) = &self.effects.rolling {
+            rolling::lose(batch, terms, parameters, rolling, self.slots.rolling);
+        }
+        if let Some(twisting) = &self.effects.twisting {
+            twisting::lose(batch, terms, parameters, twisting, self.slots.twisting);
         }
     }
 }

@@ -98,13 +98,14 @@ pub(super) fn press<G: Geometry>(
     }
 }
 
-/// How the contact area has shrunk in the step: a² = R* δ, and δ was the rate of separation times
+/// How the contact radius has grown in the step: a² = R* δ, and δ was the rate of separation times
 /// the step larger.
 #[inline(always)]
-pub(super) fn shrink<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
+pub(super) fn grow<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
     for l in batch.lanes() {
         let separation = dot(batch.geometry.velocity(l), batch.geometry.normal(l)) * batch.dt;
         let overlap = batch.geometry.overlap(l).max(0.0);
-        terms.shrinkage[l] = if separation > 0.0 { overlap / (overlap + separation) } else { 1.0 };
+        let before = overlap + separation;
+        terms.growth[l] = if before > 0.0 { (overlap / before).sqrt() } else { 1.0 };
     }
 }

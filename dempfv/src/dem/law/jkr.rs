@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::batch::Batch;
+use super::batch::{Batch, ZERO_LANE};
 use super::geometry::{Geometry, Radii};
+use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
 use crate::effect::{Effect, EffectKey, Family};
 
@@ -132,10 +133,32 @@ pub(super) fn press<G: Geometry>(
         terms.push[l] = push;
         terms.pull[l] = pull;
         terms.pull_off[l] = if exists { contact.pull_off() } else { 0.0 };
-        let shrinkage = (radius / before) * (radius / before);
-        terms.shrinkage[l] = if radius < before { shrinkage } else { 1.0 };
+        terms.growth[l] = if before > 0.0 { radius / before } else { 1.0 };
+        terms.before[0][l] = before;
         batch.history[slot][l] = radius;
     }
+}
+
+/// What is lost where a contact begins, which pulls at once, and where it tears.
+#[inline(always)]
+pub(super) fn lose<G: Geometry>(
+    batch: &mut Batch<G, Memory>,
+    terms: &Terms,
+    parameters: impl Fn(usize) -> GranularParameters,
+    work: f64,
+    slot: usize,
+) {
+    let mut lost = ZERO_LANE;
+    for l in batch.lanes() {
+        let contact = Jkr::new(parameters(l).modulus, work, batch.geometry.radii(l));
+        let (was, is) = (terms.before[0][l] > 0.0, batch.history[slot][l] > 0.0);
+        lost[l] = match (was, is) {
+            (false, true) => -contact.energy(batch.geometry.overlap(l)),
+            (true, false) => contact.energy(contact.least_overlap()),
+            _ => 0.0,
+        };
+    }
+    batch.book(Loss::Breakage, &lost);
 }
 
 /// What friction goes with: F_n + 2 F_c.

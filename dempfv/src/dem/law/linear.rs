@@ -3,6 +3,7 @@
 use super::batch::{Batch, Lane, ZERO_LANE, get, put};
 use super::contact_law::{ContactForce, ContactLaw, Needs, Stiffness};
 use super::geometry::{Geometry, Radii};
+use super::loss::Loss;
 use super::turn::turn;
 use super::vector::{Vector, add_scaled, cross, dot, scaled};
 use crate::Vec3;
@@ -135,6 +136,9 @@ impl ContactLaw for Linear {
         if MOTION && batch.dt != 0.0 {
             follow::<G, TORQUES>(batch, scratch, parameters);
             slide(batch, scratch, parameters);
+            if batch.tracks_energy {
+                lose(batch, scratch, parameters);
+            }
         }
         sum::<G, MOTION, TORQUES>(batch, scratch);
     }
@@ -170,6 +174,27 @@ fn slide<G: Geometry>(
         let (turned, loss) = (get(&scratch.turned, l), get(&scratch.loss, l));
         put(&mut batch.history, l, grow(turned, scratch.ratio[l], loss, limit));
     }
+}
+
+/// What slip has dissipated: ½ (s₀ + s₁) · (s* − s₁) / k_s, where s₀ is the turned shear force of
+/// before, s* what it would be without the limit, s₁ what it is. With s² / 2k_s this is the whole
+/// work of the mean force over the slip.
+#[inline(always)]
+fn lose<G: Geometry>(
+    batch: &mut Batch<G, [f64; 3]>,
+    scratch: &LinearScratch,
+    parameters: impl Fn(usize) -> LinearParameters,
+) {
+    let mut lost = ZERO_LANE;
+    for l in batch.lanes() {
+        let before = scaled(scratch.ratio[l].sqrt(), get(&scratch.turned, l));
+        let trial = add_scaled(before, -1.0, get(&scratch.loss, l));
+        let now = get(&batch.history, l);
+        let work = dot(add_scaled(before, 1.0, now), add_scaled(trial, -1.0, now));
+        let stiffness = parameters(l).ratio * scratch.stiffness[l];
+        lost[l] = if stiffness > 0.0 { 0.5 * work / stiffness } else { 0.0 };
+    }
+    batch.book(Loss::Friction, &lost);
 }
 
 /// Forces and torques.
@@ -218,7 +243,7 @@ mod tests {
     /// A full batch of contacts of unit spheres that slide, roll and twist,
     /// with shear forces near what friction allows, so that some are cut.
     fn busy() -> Batch<SpherePairs, [f64; 3]> {
-        let mut batch = Batch::<SpherePairs, [f64; 3]>::new(1e-4);
+        let mut batch = Batch::<SpherePairs, [f64; 3]>::new(1e-4, false);
         batch.count = CONTACTS_PER_BATCH;
         let mut x = 0.0f64;
         let mut next = || {

@@ -15,6 +15,7 @@ mod granular;
 pub mod hertz;
 pub mod jkr;
 mod linear;
+mod loss;
 pub mod pull_off;
 mod resistance;
 pub mod restitution;
@@ -37,6 +38,7 @@ pub use geometry::{
 pub use granular::Granular;
 pub use hertz::Hertz;
 pub use linear::{Linear, LinearParameters, LinearScratch};
+pub use loss::{Loss, Losses};
 pub use resistance::Resistance;
 pub use restitution::Restitution;
 pub use terms::{GranularParameters, Memory, Terms};

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::batch::{Batch, put};
+use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
+use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::vector::{dot, scaled};
 use crate::dem::error::DemError;
@@ -109,7 +110,9 @@ pub(super) fn resist<G: Geometry>(
 #[inline(always)]
 pub(super) fn join<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
     for l in batch.lanes() {
-        terms.push[l] = (terms.push[l] + terms.viscous[l]).max(terms.floor[l]);
+        let elastic = terms.push[l];
+        terms.push[l] = (elastic + terms.viscous[l]).max(terms.floor[l]);
+        terms.damped[l] = terms.push[l] - elastic;
     }
 }
 
@@ -125,6 +128,19 @@ pub(super) fn drag<G: Geometry, const TORQUES: bool>(
         let slip = batch.geometry.slip_velocity::<TORQUES>(l);
         put(&mut terms.drag, l, scaled(-coefficient, slip));
     }
+}
+
+/// What the dashpots have dissipated, by their forces at the end of the step.
+#[inline(always)]
+pub(super) fn lose<G: Geometry, const TORQUES: bool>(batch: &mut Batch<G, Memory>, terms: &Terms) {
+    let mut lost = ZERO_LANE;
+    for l in batch.lanes() {
+        let separation = dot(batch.geometry.velocity(l), batch.geometry.normal(l));
+        let slip = batch.geometry.slip_velocity::<TORQUES>(l);
+        let power = -terms.damped[l] * separation - dot(get(&terms.drag, l), slip);
+        lost[l] = batch.dt * power;
+    }
+    batch.book(Loss::ContactDamping, &lost);
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! The shear force of the granular law: a spring that follows the contact, with Coulomb's limit.
 
-use super::batch::{Batch, get, put};
+use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::Geometry;
+use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::turn::turn;
-use super::vector::{add_scaled, cut, scaled};
+use super::vector::{add_scaled, cut, dot, scaled};
 
 /// Turns the shear forces with the contacts and finds what slip takes.
 #[inline(always)]
@@ -32,12 +33,11 @@ pub(super) fn follow<G: Geometry, const TORQUES: bool>(
 #[inline(always)]
 pub(super) fn shrink<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms) {
     for l in batch.lanes() {
-        terms.ratio[l] *= terms.shrinkage[l];
+        terms.ratio[l] *= (terms.growth[l] * terms.growth[l]).min(1.0);
     }
 }
 
-/// The shear forces after the step: spring and dashpot together are cut at the limit, and the
-/// spring keeps what the dashpot does not take.
+/// The shear forces of the springs after the step, cut at the limit.
 #[inline(always)]
 pub(super) fn slide<G: Geometry>(
     batch: &mut Batch<G, Memory>,
@@ -46,18 +46,15 @@ pub(super) fn slide<G: Geometry>(
 ) {
     for l in batch.lanes() {
         let limit = terms.strength[l] + parameters(l).friction * terms.grip[l];
-        let drag = get(&terms.drag, l);
         let s = scaled(terms.ratio[l].sqrt(), get(&terms.turned, l));
-        let s = add_scaled(add_scaled(s, -1.0, get(&terms.loss, l)), 1.0, drag);
-        let s = add_scaled(cut(s, limit), -1.0, drag);
-        for k in 0..3 {
-            batch.history[k][l] = s[k];
+        let s = cut(add_scaled(s, -1.0, get(&terms.loss, l)), limit);
+        for (lane, x) in batch.history.iter_mut().zip(s) {
+            lane[l] = x;
         }
     }
 }
 
-/// What the dashpots may add to the springs: both together stay within the limit, also where the
-/// springs have not followed the velocities of the moment.
+/// What the dashpots may add to the springs: both together stay within the limit.
 #[inline(always)]
 pub(super) fn limit_drag<G: Geometry>(
     batch: &Batch<G, Memory>,
@@ -70,4 +67,29 @@ pub(super) fn limit_drag<G: Geometry>(
         let both = cut(add_scaled(spring, 1.0, get(&terms.drag, l)), limit);
         put(&mut terms.drag, l, add_scaled(both, -1.0, spring));
     }
+}
+
+/// What slip has dissipated, as in the linear law; with Hertz's contact also what a spring loses
+/// whose stiffness changes: where it grows, the force stays, where it shrinks, the force shrinks
+/// with it.
+#[inline(always)]
+pub(super) fn lose<G: Geometry>(
+    batch: &mut Batch<G, Memory>,
+    terms: &Terms,
+    parameters: impl Fn(usize) -> GranularParameters,
+    hertz: bool,
+) {
+    let mut lost = ZERO_LANE;
+    for l in batch.lanes() {
+        let before = scaled(terms.ratio[l].sqrt(), get(&terms.turned, l));
+        let trial = add_scaled(before, -1.0, get(&terms.loss, l));
+        let now = [0, 1, 2].map(|k| batch.history[k][l]);
+        let slid = dot(add_scaled(before, 1.0, now), add_scaled(trial, -1.0, now));
+        let growth = terms.growth[l];
+        let stiffer = if growth > 1.0 { growth - 1.0 } else { 1.0 / growth - 1.0 };
+        let changed = if hertz && growth > 0.0 { stiffer * dot(before, before) } else { 0.0 };
+        let stiffness = parameters(l).shear_ratio * terms.stiffness[l];
+        lost[l] = if stiffness > 0.0 { 0.5 * (slid + changed) / stiffness } else { 0.0 };
+    }
+    batch.book(Loss::Friction, &lost);
 }

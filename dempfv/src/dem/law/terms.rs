@@ -40,12 +40,16 @@ pub struct Terms {
     pub(super) dashpot: Lane,
     /// Force of the normal dashpot, positive where the bodies approach (N).
     pub(super) viscous: Lane,
+    /// What of it came to act (N): spring and dashpot may not pull.
+    pub(super) damped: Lane,
     /// Normal force that friction and rolling resistance are proportional to (N).
     pub(super) grip: Lane,
     /// Shear force that a bond bears beside friction (N).
     pub(super) strength: Lane,
-    /// Square of the contact radius over what it was a step before, where it has shrunk; else 1.
-    pub(super) shrinkage: Lane,
+    /// Contact radius over what it was a step before; 1 where there was none.
+    pub(super) growth: Lane,
+    /// Whether an adhesive contact or a bond was there before, and its length without force (m).
+    pub(super) before: [Lane; 2],
     /// Shear force after the contact has turned, and the square of the factor that its length
     /// lacks.
     pub(super) turned: [Lane; 3],
@@ -66,9 +70,11 @@ impl Default for Terms {
             floor: ZERO_LANE,
             dashpot: ZERO_LANE,
             viscous: ZERO_LANE,
+            damped: ZERO_LANE,
             grip: ZERO_LANE,
             strength: ZERO_LANE,
-            shrinkage: ZERO_LANE,
+            growth: ZERO_LANE,
+            before: [ZERO_LANE; 2],
             turned: [ZERO_LANE; 3],
             ratio: ZERO_LANE,
             loss: [ZERO_LANE; 3],

@@ -218,7 +218,7 @@ const CONTROLS: &str = "give \"fixed\", { velocity = 0.01 } (m/s) or { stress = 
 
 impl Kind<WallControl> for Control {
     fn read(&self, value: &Value) -> Result<WallControl> {
-        if value.is_text() {
+        if value.is_name() {
             return value.choice(&[("fixed", WallControl::Fixed)]);
         }
         if !value.is_table() {

@@ -75,7 +75,7 @@ pub(super) fn judge(
 ) -> Result<Vec<Change>, InputError> {
     let mut changes = vec![];
     let mut refused = vec![];
-    for difference in differences {
+    for difference in differences.iter().filter(|d| !d.is_inherited(differences)) {
         let (effect, note) = match verdict(plan, difference, under_way) {
             Verdict::Used(note) => (Effect::Used, note),
             Verdict::Odd(note) => (Effect::Odd, note),

@@ -107,7 +107,9 @@ fn fluid(keys: &[&str], under_way: &UnderWay) -> Verdict {
         ["viscosity"] if consolidates => Verdict::Odd(
             "pressures jump, and T_v of the stage under way goes on by the value before".to_owned(),
         ),
-        ["viscosity" | "slip_walls" | "clamp"] => Verdict::Odd("pressures jump".to_owned()),
+        ["viscosity" | "bulk_modulus" | "slip_walls" | "clamp"] => {
+            Verdict::Odd("pressures jump".to_owned())
+        }
         _ => used(""),
     }
 }

@@ -37,7 +37,7 @@ impl<'a> Changes<'a> {
     /// Whether the pressures, resistances and viscous modes of the network in use are those of
     /// something else.
     pub fn outdate_network(&self) -> bool {
-        let fluid = ["viscosity", "slip_walls", "clamp", "pressure"];
+        let fluid = ["viscosity", "bulk_modulus", "slip_walls", "clamp", "pressure"];
         self.has(&["particles", "density"]) || fluid.iter().any(|key| self.has(&["fluid", key]))
     }
 

@@ -15,6 +15,7 @@ use crate::simulation::outcome::{
     Consolidation, ConsolidationSample, LoadCycles, Outcome, PermeabilityTest, Profile,
     StageOutcome,
 };
+use crate::simulation::warning::{LateLoad, Warning, warn};
 use crate::{Axis, InputError, Result, Vec3, WallId};
 
 /// Slabs of a pressure profile: about one sphere each in a packing of 1000.
@@ -25,6 +26,11 @@ const MIDDLE: f64 = 0.1;
 /// Samples are this share of the time apart, but at least [`FINEST`].
 const SPACING: f64 = 0.01;
 const FINEST: f64 = 1e-4;
+/// The load has arrived where the stress on the wall is off by this share of it.
+const ARRIVED: f64 = 0.1;
+/// A load that arrives later than at this T_v is not one that is put on at once: a tenth of the
+/// settlement is over by then.
+const LATE: f64 = 0.01;
 /// The first sample: before it the servo wall is still bringing the load.
 const FIRST: f64 = 1e-3;
 
@@ -37,6 +43,10 @@ pub struct State {
     profiles_left: Vec<f64>,
     start_time: f64,
     start_position: f64,
+    /// Stress asked for (Pa).
+    stress: f64,
+    /// How long the load took to arrive (s).
+    arrived: Option<f64>,
     next_sample: f64,
     steps: u64,
     max_steps: u64,
@@ -85,6 +95,8 @@ impl State {
             profiles_left: plan.profiles.clone(),
             start_time: context.clock.time,
             start_position: dem.walls()[plan.wall].position,
+            stress: plan.stress,
+            arrived: None,
             next_sample: FIRST,
             steps: 0,
             max_steps: plan.max_steps,
@@ -126,6 +138,11 @@ impl State {
         self.steps += 1;
         let now = self.time_factor(context.clock);
         self.servos.look(context, self.progress(context.clock));
+        let Consolidation { wall, load_pa, .. } = self.result;
+        let missing = (context.coupled.wall_stress(wall) - self.stress).abs();
+        if self.arrived.is_none() && missing <= ARRIVED * load_pa.abs() {
+            self.arrived = Some(context.clock.time - self.start_time);
+        }
         let Some(flow) = context.coupled.storage_flow() else { return Ok(Progress::Running) };
         if self.steps == 1 {
             let shares = self
@@ -147,6 +164,7 @@ impl State {
         }
         if over {
             self.servos.warn(context);
+            self.warn_of_late_load(context);
             return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {
@@ -158,6 +176,17 @@ impl State {
             .into());
         }
         Ok(Progress::Running)
+    }
+
+    fn warn_of_late_load(&self, context: &mut Context) {
+        let Consolidation { wall, drainage_path_m, c_v_m2_s, .. } = self.result;
+        let consolidation = drainage_path_m.powi(2) / c_v_m2_s;
+        let late = self.arrived.is_none_or(|after| after > LATE * consolidation);
+        if late {
+            let stage = context.stage.name.clone();
+            let late = LateLoad { stage, wall, arrived: self.arrived, consolidation };
+            warn(context.warnings, Warning::LateLoad(late));
+        }
     }
 
     fn sample(&self, time_factor: f64, coupled: &Coupled, flow: &Flow) -> ConsolidationSample {

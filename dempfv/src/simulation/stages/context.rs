@@ -75,6 +75,7 @@ impl Context<'_> {
             )
         })?;
         self.coupled.saturate(fluid.saturation());
+        self.coupled.set_fluid_effects(fluid.effects.clone());
         Ok(())
     }
 }

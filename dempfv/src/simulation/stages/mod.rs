@@ -49,6 +49,7 @@ impl Active {
         let damping = context.mechanics().options.damping;
         context.coupled.controls().set_damping(damping)?;
         let kind = &context.stage.kind;
+        track_energy(context.coupled, context.plan, kind);
         Ok(match kind {
             StageKind::Compact(plan) => Active::Compact(compact::State::start(plan, context)?),
             StageKind::Cycle(plan) => Active::Cycle(cycle::State::start(plan, context)?),
@@ -116,6 +117,7 @@ impl Active {
     ) -> Result<()> {
         let mechanics = plan.mechanics(stage).unwrap_or_default();
         coupled.controls().set_damping(mechanics.options.damping)?;
+        track_energy(coupled, plan, &stage.kind);
         match (self, &stage.kind) {
             (Active::Compact(state), StageKind::Compact(stage)) => {
                 state.restore(coupled, stage, plan, &mechanics)?;
@@ -139,5 +141,18 @@ impl Active {
             }
             _ => Ok(()),
         }
+    }
+}
+
+/// Tracks energy where the plan asks for it. Growth has no balance: radii and masses change.
+fn track_energy(coupled: &mut Coupled, plan: &Plan, kind: &StageKind) {
+    let tracked = match kind {
+        StageKind::Compact(_) => false,
+        // Nothing moves.
+        StageKind::Permeability(_) => return,
+        StageKind::Cycle(_) | StageKind::Consolidate(_) | StageKind::Run(_) => plan.output.energy,
+    };
+    if tracked != coupled.dem().tracks_energy() {
+        coupled.controls().track_energy(tracked);
     }
 }

@@ -1,0 +1,66 @@
+//! Changes of a system under way: friction, damping, sizes.
+
+use super::error::DemError;
+use super::law::Needs;
+use super::material::{check_friction, positive};
+use super::system::{Dem, DemOptions};
+
+impl Dem {
+    /// Changes the friction angle between spheres (rad), whatever their material.
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for an angle that is not from 0 to less than π/2.
+    pub fn set_friction(&mut self, angle: f64) -> Result<(), DemError> {
+        check_friction(angle)?;
+        for material in &mut self.materials {
+            material.friction_angle = angle;
+        }
+        self.law.set_materials(&self.materials, &self.wall_material);
+        // A pass that needs overlaps alone does not look at the history.
+        if self.law.pair_needs() == Needs::Overlap {
+            self.list.history.fill(0.0);
+        }
+        if self.law.wall_needs() == Needs::Overlap {
+            self.list.wall_history.fill(0.0);
+        }
+        Ok(())
+    }
+
+    /// Changes the local damping λ.
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for a value that is not from 0 to less than 1.
+    pub fn set_damping(&mut self, damping: f64) -> Result<(), DemError> {
+        let options = DemOptions { damping, ..self.options };
+        options.check()?;
+        self.options = options;
+        Ok(())
+    }
+
+    /// Multiplies all radii by `factor` and all masses by its cube. Energy that is tracked
+    /// ([`Dem::track_energy`]) is tracked anew.
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for a factor that is not positive, or that makes
+    /// a radius or a mass too large or too small for double precision.
+    pub fn scale_radii(&mut self, factor: f64) -> Result<(), DemError> {
+        positive("radius factor", factor)?;
+        let mass_factor = factor.powi(3);
+        let p = &mut self.particles;
+        let stays = |values: &[f64], factor: f64| values.iter().all(|v| (v * factor).is_normal());
+        if !(stays(&p.radius, factor) && stays(&p.mass, mass_factor)) {
+            let expected = "so near to 1 that radii and masses remain positive and finite";
+            return Err(DemError::Parameter { name: "radius factor", value: factor, expected });
+        }
+        for ((r, m), c) in p.radius.iter_mut().zip(&mut p.mass).zip(&mut self.centre) {
+            *r *= factor;
+            *m *= mass_factor;
+            c[3] = *r;
+        }
+        self.list.resized();
+        if self.tracks_energy() {
+            self.track_energy(true);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,208 @@
+//! Energy by cause: what spheres have, what was done to them, and what was dissipated.
+//!
+//! The leapfrog scheme has velocities half a step away from positions, and the change of their
+//! kinetic energy in a step is exactly the work of the forces over the mean of the two velocities.
+//! Each cause books that work; elastic energy and that of gravity are taken at the same half step,
+//! from the positions before and after it. Work is the mean force over half the way of the step
+//! before and half that of the step after: also where their lengths differ. What is left over is what the time integration has made
+//! or lost: [`EnergyBalance::residual`].
+
+use serde::Serialize;
+
+use super::compiled::Touch;
+use super::contacts::{Other, Place};
+use super::law::Losses;
+use super::ledger::{Ledger, MotionWork};
+use super::system::Dem;
+use super::touch_change::slip;
+use crate::parallel::{block_count, sum_of};
+use crate::{PerWall, WallId};
+
+/// Energy of the spheres by cause (J), since [`Dem::track_energy`].
+///
+/// What was there, and what walls, fluid and added forces did, is what is there now, what was
+/// dissipated, and the [`EnergyBalance::residual`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyBalance {
+    /// Kinetic energy of translation now.
+    pub translation: f64,
+    /// Kinetic energy of rotation now.
+    pub rotation: f64,
+    /// Elastic energy of contacts now.
+    pub elastic: f64,
+    /// Energy of position under gravity now; 0 at the origin.
+    pub gravity: f64,
+    /// Dissipated by slip against friction.
+    pub friction: f64,
+    /// Dissipated by viscous forces in contacts.
+    pub contact_damping: f64,
+    /// Dissipated by rolling and twisting.
+    pub rolling: f64,
+    /// Lost with bonds that broke.
+    pub breakage: f64,
+    /// Lost (made, where negative) by time steps across which bodies begin or cease to touch. It
+    /// shrinks with the square of the time step.
+    pub touch_change: f64,
+    /// Dissipated by local damping.
+    pub local_damping: f64,
+    /// Work of the fluid on the spheres.
+    pub fluid_work: f64,
+    /// Work of the walls on the spheres.
+    pub wall_work: f64,
+    /// Work of forces and torques that were added.
+    pub external_work: f64,
+    /// Energy that appeared without a cause: made (or, where negative, lost) by time integration.
+    pub residual: f64,
+}
+
+impl EnergyBalance {
+    /// The sum of what moved (J): the magnitudes of all works and losses, to measure the residual by.
+    pub fn moved(&self) -> f64 {
+        let works = self.fluid_work.abs() + self.wall_work.abs() + self.external_work.abs();
+        works + self.dissipated().abs()
+    }
+
+    /// What was dissipated by all causes (J).
+    pub fn dissipated(&self) -> f64 {
+        self.friction
+            + self.contact_damping
+            + self.rolling
+            + self.breakage
+            + self.touch_change
+            + self.local_damping
+    }
+}
+
+impl Dem {
+    /// Begins to track energy by cause, or ends it. Costs nothing when off. Beginning anew forgets
+    /// what was tracked before.
+    pub fn track_energy(&mut self, on: bool) {
+        self.ledger = None;
+        let blocks = if on { block_count(self.particles.len()) } else { 0 };
+        self.forces.losses = vec![Losses::default(); blocks];
+        self.motion_work = vec![MotionWork::default(); blocks];
+        if on {
+            let began_with = self.energy_now().iter().sum();
+            let (losses, work) = Default::default();
+            self.ledger = Some(Ledger { began_with, losses, work, walls: 0.0, last_dt: 0.0 });
+        }
+    }
+
+    /// Whether energy is tracked.
+    pub fn tracks_energy(&self) -> bool {
+        self.ledger.is_some()
+    }
+
+    /// Energy by cause since [`Dem::track_energy`]; `None` where it is not tracked.
+    pub fn energy_balance(&self) -> Option<EnergyBalance> {
+        let Ledger { began_with, losses, work, walls, .. } = self.ledger.as_ref()?;
+        let [translation, rotation, elastic, gravity] = self.energy_now();
+        let mut balance = EnergyBalance {
+            translation,
+            rotation,
+            elastic,
+            gravity,
+            friction: losses.friction,
+            contact_damping: losses.contact_damping,
+            rolling: losses.rolling,
+            breakage: losses.breakage,
+            touch_change: losses.touch_change,
+            local_damping: work.damping,
+            fluid_work: work.fluid,
+            wall_work: *walls,
+            external_work: work.external,
+            residual: 0.0,
+        };
+        let now = translation + rotation + elastic + gravity;
+        let done = balance.fluid_work + balance.wall_work + balance.external_work;
+        balance.residual = (now - began_with) + (balance.dissipated() - done);
+        Some(balance)
+    }
+
+    /// Kinetic energy of translation and rotation, elastic energy and that of gravity, half a step
+    /// before the positions (J).
+    fn energy_now(&self) -> [f64; 4] {
+        let p = &self.particles;
+        let gravity = self.options.gravity.map_or(0.0, |g| {
+            let half_way = |i: usize| p.position[i] - 0.5 * self.pending_dt * p.velocity[i];
+            -(0..p.len()).map(|i| p.mass[i] * g.dot(&half_way(i))).sum::<f64>()
+        });
+        let elastic = self.elastic_energy_half_way();
+        [self.translational_energy(), self.rotational_energy(), elastic, gravity]
+    }
+
+    /// Elastic energy of all contacts half a step before the positions (J).
+    fn elastic_energy_half_way(&self) -> f64 {
+        let (list, length) = (&self.list, self.law.history_length());
+        let spheres = sum_of(list.pairs.len(), |k| {
+            let history = &list.history[k * length..][..length];
+            let place = || self.elastic_half_way(&self.sphere_place(list.pairs[k], history));
+            if list.touch[k] { place() } else { 0.0 }
+        });
+        let walls = sum_of(list.wall_pairs.len(), |k| {
+            let history = &list.wall_history[k * length..][..length];
+            let place = || self.elastic_half_way(&self.wall_place(list.wall_pairs[k], history));
+            if list.wall_touch[k] { place() } else { 0.0 }
+        });
+        // Sums of nothing are -0, which helps no reader.
+        spheres + walls + 0.0
+    }
+
+    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
+    /// overlap half way, and after half the slip of the step. The parts of second order make it
+    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
+    fn elastic_half_way(&self, place: &Place<'_>) -> f64 {
+        let (p, dt, normal) = (&self.particles, self.pending_dt, place.normal);
+        let Touch { surfaces, overlap } = place.touch;
+        let arm = |k: usize| (p.radius[k] - 0.5 * overlap) * p.spin[k];
+        let (velocity, rim) = match place.other {
+            Other::Sphere(j) => (p.velocity[j] - p.velocity[place.i], arm(place.i) + arm(j)),
+            Other::Wall(wall) => {
+                let moved = -wall.inward() * self.walls[wall].velocity;
+                (moved * normal - p.velocity[place.i], arm(place.i))
+            }
+        };
+        let closing = match place.other {
+            Other::Sphere(_) => {
+                let apart = place.distance * normal;
+                (apart - dt * velocity).norm() - place.distance
+            }
+            Other::Wall(_) => -dt * velocity.dot(&normal),
+        };
+        let slip = slip(dt, &velocity, &rim, &normal);
+        let half_way = Touch { surfaces, overlap: overlap - 0.5 * closing };
+        let stiffness = self.law.stiffness(&half_way).normal;
+        let shear = self.law.force(&half_way, place.history).shear;
+        let elastic = self.law.elastic_energy(&half_way, place.history);
+        elastic - 0.125 * stiffness * closing.powi(2) - 0.5 * shear.dot(&slip)
+    }
+
+    /// Books the losses of the contact pass.
+    pub(super) fn book_losses(&mut self) {
+        if let Some(ledger) = &mut self.ledger {
+            self.forces.losses.iter().for_each(|losses| ledger.losses.join(losses));
+        }
+    }
+
+    /// Length of the step before one of `dt`, where that is known (s).
+    pub(super) fn last_dt(&self, dt: f64) -> f64 {
+        self.ledger.map_or(dt, |ledger| if ledger.last_dt > 0.0 { ledger.last_dt } else { dt })
+    }
+
+    /// Books what forces and walls did in the step; `before` has the walls' velocities before it.
+    pub(super) fn book_work(&mut self, dt: f64, before: &PerWall<f64>) {
+        let last_dt = self.last_dt(dt);
+        let Some(ledger) = &mut self.ledger else { return };
+        for work in &mut self.motion_work {
+            ledger.work.damping += work.damping;
+            ledger.work.fluid += work.fluid;
+            ledger.work.external += work.external;
+            *work = MotionWork::default();
+        }
+        for wall in WallId::ALL {
+            let way = 0.5 * (last_dt * before[wall] + dt * self.walls[wall].velocity);
+            ledger.walls -= self.wall_sums[wall].force[wall.axis()] * way;
+        }
+        ledger.last_dt = dt;
+    }
+}

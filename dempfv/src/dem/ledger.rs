@@ -1,0 +1,40 @@
+//! Sums of energy by cause, as a checkpoint holds them.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::DemError;
+use super::law::Losses;
+use super::material::finite;
+
+/// What the forces on the spheres of a block did in a step (J).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct MotionWork {
+    /// Taken by local damping.
+    pub damping: f64,
+    /// Done by the fluid.
+    pub fluid: f64,
+    /// Done by forces and torques that were added.
+    pub external: f64,
+}
+
+/// The sums since tracking began. What a checkpoint holds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Ledger {
+    /// Kinetic and potential energy when it began (J).
+    pub began_with: f64,
+    pub losses: Losses,
+    pub work: MotionWork,
+    /// Done by the walls.
+    pub walls: f64,
+    /// Length of the last step (s); 0 before the first.
+    pub last_dt: f64,
+}
+
+impl Ledger {
+    pub fn check(&self) -> Result<(), DemError> {
+        let Ledger { began_with, losses, work, walls, last_dt } = self;
+        let MotionWork { damping, fluid, external } = work;
+        let all = [*began_with, losses.total(), *damping, *fluid, *external, *walls, *last_dt];
+        all.into_iter().try_for_each(|energy| finite("energy ledger", energy))
+    }
+}
