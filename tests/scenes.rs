@@ -78,3 +78,24 @@ fn dry_triaxial_has_no_fluid() {
     assert_eq!(run.walls[WallId::YMax], WallControl::Velocity(-0.01));
     assert!(matches!(run.until, Until::Strain { strain: 0.15, axis: Axis::Y, .. }));
 }
+
+/// Cemented from the first stage on; the walls aside let go of it before it is pressed.
+#[test]
+fn the_cemented_column_is_unconfined() {
+    let plan = load("cemented-column.toml");
+    let bonds = plan.bonds.as_ref().unwrap();
+    assert_eq!(bonds.from.as_deref(), Some("release"));
+    assert!(bonds.strength.tension > 0.0 && bonds.strength.cohesion > 0.0);
+    assert!(plan.effects_on().contains(&"brittle bonds"));
+    let run = |stage: &Stage| match &stage.kind {
+        StageKind::Run(run) => run.clone(),
+        other => panic!("{other:?}"),
+    };
+    let [release, press] = [0, 1].map(|k| run(&plan.stages[k]));
+    for wall in [WallId::XMin, WallId::XMax, WallId::ZMin, WallId::ZMax] {
+        let WallControl::Velocity(v) = release.walls[wall] else { panic!("{wall} stays") };
+        assert!(v * wall.inward() < 0.0, "{wall} comes in");
+        assert_eq!(press.walls[wall], WallControl::Fixed);
+    }
+    assert!(matches!(press.until, Until::Strain { axis: Axis::Y, .. }));
+}

@@ -305,6 +305,23 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 1], [0.02, 1.7], [0.013, 0.4]]"),
     ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 0.1], [0.02, 0.2], [0.013, 0.7]]"),
     ("dt = 1.3e-5", "dt = \"auto\""),
+    (
+        "rotation = false\n",
+        "[contacts]\nlaw = \"hertz-mindlin\"\npoisson_ratio = 0.21\nwall_poisson_ratio = 0.31\n\
+         restitution = 0.7\nwall_restitution = 0.6\nrolling_friction = 0.03\n\
+         rolling_stiffness_ratio = 0.4\nrolling_damping_ratio = 0.2\ntwisting_friction = 0.02\n\
+         twisting_stiffness_ratio = 0.35\ntwisting_damping_ratio = 0.0\nadhesion = \"jkr\"\n\
+         work_of_adhesion = 0.07\n",
+    ),
+    ("[fluid]\n", "[contacts]\nadhesion = \"constant\"\npull_off_force = 1e-3\n[fluid]\n"),
+    (
+        "[fluid]\n",
+        "[contacts]\nlaw = \"hertz-mindlin\"\nadhesion = \"dmt\"\nwork_of_adhesion = 1\n[fluid]\n",
+    ),
+    (
+        "[fluid]\n",
+        "[bonds]\ntension = 1e5\ncohesion = 2e5\ninteraction_range = 1.1\nfrom = \"press\"\n[fluid]\n",
+    ),
     ("remesh_interval = 77", "remesh_interval = \"auto\""),
     ("remesh_interval = 77\n", ""),
     ("solver = \"cholmod-gpu\"\ngpu_device = 1\ngpu_memory = 123456789", "solver = \"frontal\""),

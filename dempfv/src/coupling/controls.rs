@@ -59,6 +59,15 @@ impl Controls<'_> {
         Ok(self.coupled.dem.set_cell_controls(controls)?)
     }
 
+    /// Bonds the spheres: see [`Dem::bond`]. An automatic time step is looked at anew.
+    ///
+    /// # Errors
+    /// As [`Dem::bond`].
+    pub fn bond(&mut self) -> Result<u64> {
+        self.coupled.auto_time_step.refresh();
+        Ok(self.coupled.dem.bond()?)
+    }
+
     /// Changes the friction angle between spheres (rad). An automatic time step
     /// is looked at anew.
     ///

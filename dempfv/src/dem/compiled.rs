@@ -19,15 +19,8 @@ pub(super) struct Touch {
 }
 
 /// Overlap, as a share of the radius, at which the stiffness of a contact that
-/// does not exist yet is taken; the linear law's does not depend on it.
+/// does not exist yet is taken at least; the linear law's does not depend on it.
 const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
-
-impl Touch {
-    /// A contact that does not exist yet, of a sphere of this radius (m).
-    pub fn expected(surfaces: Surfaces, radius: f64) -> Touch {
-        Touch { surfaces, overlap: EXPECTED_OVERLAP_SHARE * radius }
-    }
-}
 
 /// The two bodies of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +38,15 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     /// Numbers per contact in the histories.
     fn history_length(&self) -> usize;
     fn cut_off(&self) -> f64;
+    /// See [`ContactLaw::fit_cut_off`].
+    fn fit_cut_off(&mut self, largest_radius: f64);
+    /// See [`ContactLaw::acts`].
+    fn acts(&self, touch: &Touch, history: &[f64]) -> bool;
+    /// See [`ContactLaw::stiffens`].
+    fn stiffens(&self) -> bool;
+    /// A contact that does not exist yet, of a sphere of this radius (m), that an energy of
+    /// approach (J) goes into.
+    fn expected(&self, surfaces: Surfaces, radius: f64, energy: f64) -> Touch;
     /// Takes the constants of these materials.
     fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial);
     /// The most that any contact needs, and that one of spheres and that one
@@ -57,6 +59,10 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     fn stiffness(&self, touch: &Touch) -> Stiffness;
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
+    /// See [`ContactLaw::bond`].
+    fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool;
+    /// See [`ContactLaw::is_bonded`].
+    fn is_bonded(&self, history: &[f64]) -> bool;
     /// See [`ContactLaw::reversed`].
     fn reverse(&self, history: &mut [f64]);
 }
@@ -88,11 +94,37 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
     }
 
     fn history_length(&self) -> usize {
-        L::History::LENGTH
+        self.law.history_length()
     }
 
     fn cut_off(&self) -> f64 {
         self.law.cut_off()
+    }
+
+    fn fit_cut_off(&mut self, largest_radius: f64) {
+        self.law.fit_cut_off(self.table.all(), largest_radius);
+    }
+
+    fn acts(&self, touch: &Touch, history: &[f64]) -> bool {
+        self.law.acts(touch.overlap, &L::History::read(history))
+    }
+
+    fn stiffens(&self) -> bool {
+        self.law.stiffens()
+    }
+
+    fn expected(&self, surfaces: Surfaces, radius: f64, energy: f64) -> Touch {
+        let usual = EXPECTED_OVERLAP_SHARE * radius;
+        let parameters = self.parameters(surfaces);
+        let overlap = match surfaces {
+            Surfaces::Spheres(radii, _) => {
+                self.law.expected_overlap(&parameters, radii, energy, usual)
+            }
+            Surfaces::Wall(radii, _) => {
+                self.law.expected_overlap(&parameters, radii, energy, usual)
+            }
+        };
+        Touch { surfaces, overlap }
     }
 
     fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial) {
@@ -116,7 +148,7 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
     }
 
     fn stiffness(&self, touch: &Touch) -> Stiffness {
-        let parameters = self.parameters(touch);
+        let parameters = self.parameters(touch.surfaces);
         match touch.surfaces {
             Surfaces::Spheres(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
             Surfaces::Wall(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
@@ -124,7 +156,7 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
     }
 
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce {
-        let (parameters, history) = (self.parameters(touch), L::History::read(history));
+        let (parameters, history) = (self.parameters(touch.surfaces), L::History::read(history));
         match touch.surfaces {
             Surfaces::Spheres(radii, _) => {
                 self.law.force(&parameters, radii, touch.overlap, &history)
@@ -134,7 +166,7 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
     }
 
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64 {
-        let (parameters, history) = (self.parameters(touch), L::History::read(history));
+        let (parameters, history) = (self.parameters(touch.surfaces), L::History::read(history));
         match touch.surfaces {
             Surfaces::Spheres(radii, _) => {
                 self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
@@ -145,14 +177,22 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
         }
     }
 
+    fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool {
+        self.law.bond(overlap, radii, history)
+    }
+
+    fn is_bonded(&self, history: &[f64]) -> bool {
+        self.law.is_bonded(&L::History::read(history))
+    }
+
     fn reverse(&self, history: &mut [f64]) {
         self.law.reversed(L::History::read(history)).write(history);
     }
 }
 
 impl<L: ContactLaw> Compiled<L> {
-    fn parameters(&self, touch: &Touch) -> L::Parameters {
-        match touch.surfaces {
+    fn parameters(&self, surfaces: Surfaces) -> L::Parameters {
+        match surfaces {
             Surfaces::Spheres(_, [first, second]) => self.table.spheres(first, second),
             Surfaces::Wall(_, material) => self.table.wall(material),
         }

@@ -101,7 +101,10 @@ impl Dem {
         let walls = (0..list.wall_pairs.len()).filter(|&k| list.wall_touch[k]).map(move |k| {
             self.wall_place(list.wall_pairs[k], &list.wall_history[k * length..][..length])
         });
-        spheres.chain(walls)
+        // Without a cut-off what touches acts.
+        let beyond = self.law.cut_off() > 0.0;
+        let acts = move |place: &Place<'_>| self.law.acts(&place.touch, place.history);
+        spheres.chain(walls).filter(move |place| !beyond || acts(place))
     }
 
     /// `shift` leads to the copy of the second sphere that is meant (m).
@@ -142,11 +145,11 @@ impl Dem {
     /// Number of contacts between spheres at the last
     /// [`Dem::compute_contacts`].
     pub fn sphere_contact_count(&self) -> usize {
-        self.list.touch.iter().filter(|t| **t).count()
+        self.places().filter(|place| matches!(place.other, Other::Sphere(_))).count()
     }
 
     /// Number of contacts of spheres with walls, likewise.
     pub fn wall_contact_count(&self) -> usize {
-        self.list.wall_touch.iter().filter(|t| **t).count()
+        self.places().filter(|place| matches!(place.other, Other::Wall(_))).count()
     }
 }

@@ -75,6 +75,12 @@ pub enum DemError {
         /// The number of particles.
         count: usize,
     },
+    /// Effects of a contact law that do not go together.
+    #[error("{reason}")]
+    Effects {
+        /// Why not.
+        reason: &'static str,
+    },
     /// A state of another contact law.
     #[error("the state is of the contact law `{found}`, not of `{expected}`; give it to that law")]
     Law {

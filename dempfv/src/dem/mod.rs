@@ -32,6 +32,7 @@
 //! number of particles accumulate their own contacts in a fixed order and the
 //! forces across blocks are gathered per particle in a fixed order.
 
+mod bonding;
 mod by_number;
 mod cell;
 mod cell_motion;
@@ -72,6 +73,7 @@ mod touch_change;
 mod wall_motion;
 mod wall_pairs;
 mod walls;
+mod with_effects;
 
 pub(crate) use contact_forces::ContactForces;
 

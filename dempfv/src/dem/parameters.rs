@@ -39,6 +39,11 @@ impl<L: ContactLaw> ParameterTable<L> {
         self.walls[usize::from(material)]
     }
 
+    /// Constants of every contact.
+    pub fn all(&self) -> impl Iterator<Item = &L::Parameters> {
+        self.spheres.iter().chain(&self.walls)
+    }
+
     /// The most that any contact needs.
     pub fn needs(&self) -> Needs {
         self.pair_needs.max(self.wall_needs)

@@ -2,7 +2,7 @@
 //! sums up within the block; a second one gathers what crosses blocks.
 
 use super::cell_pass::CellSum;
-use super::law::{Batch, ContactLaw, History, Losses, Needs};
+use super::law::{Batch, ContactLaw, Losses, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::parameters::ParameterTable;
 use super::pass_input::Input;
@@ -81,7 +81,7 @@ fn run<
 ) {
     let span = PairSpan {
         first: 0,
-        length: L::History::LENGTH,
+        length: bound.law.history_length(),
         bounds: &list.bounds,
         pairs: &list.pairs,
         image: &list.image,
@@ -240,7 +240,7 @@ impl PairSpan<'_> {
     ) {
         let Bound { law, table, ref input, .. } = *bound;
         let origin = self.bounds[0];
-        let length = L::History::LENGTH;
+        let length = law.history_length();
         let mut scratch = L::Scratch::default();
         let mut pair_batch = Batch::new(input.dt, input.tracks_energy);
         let mut wall_batch = Batch::new(input.dt, input.tracks_energy);

@@ -51,12 +51,12 @@ impl SpherePairRange<'_> {
         (batch, scratch): (&mut PairBatch<L>, &mut L::Scratch),
         input: &Input<'_>,
     ) {
-        let (cut_off, only) = (law.cut_off(), table.spheres(0, 0));
+        let (cut_off, length, only) = (law.cut_off(), law.history_length(), table.spheres(0, 0));
         let mut next = 0;
         while next < self.pairs.len() {
             next = self.collect::<L, PERIODIC>(batch, next, (law, table), input, cut_off);
             if MOTION {
-                self.load_motion::<L, TORQUES, PERIODIC>(batch, input);
+                self.load_motion::<L, TORQUES, PERIODIC>(batch, input, length);
             }
             for l in batch.lanes() {
                 batch.geometry.measure(l);
@@ -75,7 +75,7 @@ impl SpherePairRange<'_> {
                     sum.add_batch(law, batch, |_| only);
                 }
             }
-            self.scatter::<L, MOTION, TORQUES>(batch);
+            self.scatter::<L, MOTION, TORQUES>(batch, length);
         }
     }
 
@@ -128,7 +128,8 @@ impl SpherePairRange<'_> {
         (law, table): (&L, &ParameterTable<L>),
         input: &Input<'_>,
     ) {
-        let history = &mut self.history[slot * L::History::LENGTH..][..L::History::LENGTH];
+        let length = law.history_length();
+        let history = &mut self.history[slot * length..][..length];
         if batch.tracks_energy {
             let [i, j] = self.pairs[slot].map(|k| k as usize);
             let (a, b) = (input.centre[i], input.centre[j]);
@@ -157,12 +158,13 @@ impl SpherePairRange<'_> {
         &self,
         batch: &mut PairBatch<L>,
         input: &Input<'_>,
+        length: usize,
     ) {
         let (velocity, spin, history) = (input.velocity, input.spin, &*self.history);
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let [i, j] = batch.bodies[l].map(|k| k as usize);
             let slot = batch.slot[l] as usize;
-            L::History::load(&mut batch.history, l, &history[slot * L::History::LENGTH..]);
+            L::History::load(&mut batch.history, l, &history[slot * length..][..length]);
             let mut relative = (velocity[j] - velocity[i]).into();
             if let (true, Some(cell)) = (PERIODIC, input.cell) {
                 relative = cell.with_mean_field(relative, get(&batch.geometry.apart, l));
@@ -179,6 +181,7 @@ impl SpherePairRange<'_> {
     fn scatter<L: ContactLaw, const MOTION: bool, const TORQUES: bool>(
         &mut self,
         batch: &PairBatch<L>,
+        length: usize,
     ) {
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let slot = batch.slot[l] as usize;
@@ -186,7 +189,7 @@ impl SpherePairRange<'_> {
             let force = Vec3::from(get(&batch.force, l));
             self.force[i] -= force;
             if MOTION {
-                let to = &mut self.history[slot * L::History::LENGTH..];
+                let to = &mut self.history[slot * length..][..length];
                 L::History::store(&batch.history, l, to);
                 if TORQUES {
                     self.torque[i] += Vec3::from(get(&batch.torque[0], l));

@@ -39,6 +39,8 @@ pub struct DemState {
     /// Length of the last step (s) if the histories have not yet followed its
     /// motion, else 0.
     pub pending_dt: f64,
+    /// Bonds that have been made, intact and broken.
+    pub bonds: u64,
     /// Energy by cause, where it is tracked.
     pub(super) ledger: Option<Ledger>,
 }

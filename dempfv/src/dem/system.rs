@@ -65,6 +65,8 @@ pub struct Dem {
     pub(super) wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pub(super) pending_dt: f64,
+    /// See [`DemState::bonds`].
+    pub(super) bonds: u64,
     pub(super) list: Neighbours,
     pub(super) forces: Forces,
     /// Centre and radius of each sphere, as the contact pass reads them.
@@ -139,6 +141,7 @@ impl Dem {
             sphere_history: ContactHistory::default(),
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
+            bonds: 0,
             ledger: None,
         };
         // Nothing to reverse: there are no contacts yet.
@@ -201,7 +204,7 @@ impl Dem {
         }
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, cell, pending_dt, ledger, .. } = state;
+        let DemState { particles, walls, cell, pending_dt, bonds, ledger, .. } = state;
         let centre = particles
             .position
             .iter()
@@ -233,6 +236,7 @@ impl Dem {
             materials,
             wall_material,
             pending_dt,
+            bonds,
             list,
             centre,
         };
@@ -257,6 +261,7 @@ impl Dem {
             sphere_history: self.list.sphere_history(),
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
+            bonds: self.bonds,
             ledger: self.ledger,
         }
     }
@@ -278,6 +283,7 @@ impl Dem {
     }
 
     fn rebuild(&mut self) -> Result<(), DemError> {
+        self.law.fit_cut_off(self.particles.radius.iter().copied().fold(0.0, f64::max));
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         let cell = self.cell.as_ref().map(PeriodicCell::cell);
         self.list.build(&self.particles, (&self.walls, cell), cut_off, skin)?;

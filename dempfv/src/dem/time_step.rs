@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::compiled::{Surfaces, Touch};
+use super::compiled::Surfaces;
 use super::contacts::Other;
 use super::error::DemError;
 use super::law::TwoSpheres;
@@ -70,16 +70,19 @@ impl Dem {
     }
 
     /// The largest k_n / m (1/s²) of a sphere in one contact with another of its size, of any
-    /// material.
+    /// material, struck as fast as any may be.
     fn lone_frequency2(&self) -> f64 {
         let p = &self.particles;
+        let impact2 = if self.law.stiffens() { self.fastest_impact2() } else { 0.0 };
         // There are no more materials than an index can tell.
         let partners = 0..self.materials.len() as u16;
         let frequency2 = |i: usize| {
             let r = p.radius[i];
             let stiffness = |partner: u16| {
                 let surfaces = Surfaces::Spheres(TwoSpheres(r, r), [p.material_of(i), partner]);
-                self.law.stiffness(&Touch::expected(surfaces, r)).normal
+                // Two equal masses.
+                let energy = 0.25 * p.mass[i] * impact2;
+                self.law.stiffness(&self.law.expected(surfaces, r, energy)).normal
             };
             partners.clone().map(stiffness).fold(0.0, f64::max) / p.mass[i]
         };
@@ -124,16 +127,35 @@ impl Dem {
     /// the smallest radius: contacts that begin are slight when the time step is looked at next.
     /// None where `dt` is not positive.
     pub fn steps_between_looks(&self, dt: f64) -> u64 {
-        let p = &self.particles;
-        let spheres = p.velocity.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt();
-        let walls = self.walls.values().map(|w| w.velocity.abs()).fold(0.0, f64::max);
-        let smallest = p.radius.iter().copied().fold(f64::INFINITY, f64::min);
-        // Across the largest pair the mean field of a cell brings them together at this speed.
-        let largest = p.radius.iter().copied().fold(0.0, f64::max);
-        let field = self.cell().map_or(0.0, |cell| cell.velocity_gradient().norm() * 2.0 * largest);
-        let steps = LOOK_SHARE * smallest / ((spheres + spheres.max(walls) + field) * dt);
+        let smallest = self.particles.radius.iter().copied().fold(f64::INFINITY, f64::min);
+        let steps = LOOK_SHARE * smallest / (self.fastest_approach() * dt);
         // As a cast has it, too many are the most and what is no number is none.
         (steps as u64).min(MOST_STEPS_BETWEEN_LOOKS)
+    }
+
+    /// The most that two surfaces can come towards each other (m/s).
+    fn fastest_approach(&self) -> f64 {
+        let all = self.particles.velocity.iter().map(Vec3::norm_squared);
+        let spheres = all.fold(0.0, f64::max).sqrt();
+        let walls = self.walls.values().map(|w| w.velocity.abs()).fold(0.0, f64::max);
+        // Across the largest pair the mean field of a cell brings them together at this speed.
+        let largest = || self.particles.radius.iter().copied().fold(0.0, f64::max);
+        let field = self.cell().map_or(0.0, |c| c.velocity_gradient().norm() * 2.0 * largest());
+        spheres + spheres.max(walls) + field
+    }
+
+    /// Square of the fastest impact (m²/s²): of the motion there is, and of what the contacts hold. A
+    /// collision does not change it, so that its time step stays.
+    fn fastest_impact2(&self) -> f64 {
+        let mass = |i: usize| self.particles.mass[i];
+        let held = self.places().map(|place| {
+            let inverse_mass = match place.other {
+                Other::Sphere(j) => 1.0 / mass(place.i) + 1.0 / mass(j),
+                Other::Wall(_) => 1.0 / mass(place.i),
+            };
+            2.0 * self.law.elastic_energy(&place.touch, place.history) * inverse_mass
+        });
+        held.fold(0.0, f64::max) + self.fastest_approach().powi(2)
     }
 
     /// The longest time step (s) at which a collision of two spheres of this packing, which lasts

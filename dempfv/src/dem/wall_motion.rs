@@ -1,6 +1,6 @@
 //! How walls move in a step.
 
-use super::compiled::{Surfaces, Touch};
+use super::compiled::Surfaces;
 use super::error::{DemError, Leaving};
 use super::law::SphereOnPlane;
 use super::material::Material;
@@ -56,7 +56,7 @@ impl Dem {
         let (i, distance) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let radius = self.particles.radius[i];
         let surfaces = Surfaces::Wall(SphereOnPlane(radius), self.particles.material_of(i));
-        let stiffness = self.law.stiffness(&Touch::expected(surfaces, radius)).normal;
+        let stiffness = self.law.stiffness(&self.law.expected(surfaces, radius, 0.0)).normal;
         Some(Nearest { distance, radius, stiffness })
     }
 

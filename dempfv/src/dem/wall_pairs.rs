@@ -51,12 +51,12 @@ impl WallPairRange<'_> {
         input: &Input<'_>,
     ) -> PerWall<WallSum> {
         let mut sums = PerWall::default();
-        let (cut_off, only) = (law.cut_off(), table.wall(0));
+        let (cut_off, length, only) = (law.cut_off(), law.history_length(), table.wall(0));
         let mut next = 0;
         while next < self.pairs.len() {
             next = self.collect::<L>(batch, next, (law, table), input, cut_off);
             if MOTION {
-                self.load_motion::<L, TORQUES>(batch, input);
+                self.load_motion::<L, TORQUES>(batch, input, length);
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
@@ -117,7 +117,8 @@ impl WallPairRange<'_> {
         (law, table): (&L, &ParameterTable<L>),
         input: &Input<'_>,
     ) {
-        let history = &mut self.history[slot * L::History::LENGTH..][..L::History::LENGTH];
+        let length = law.history_length();
+        let history = &mut self.history[slot * length..][..length];
         if batch.tracks_energy {
             let WallPair { i, wall } = self.pairs[slot];
             let (i, axis, plane) = (i as usize, wall.axis(), &input.walls[wall]);
@@ -143,11 +144,12 @@ impl WallPairRange<'_> {
         &self,
         batch: &mut WallBatch<L>,
         input: &Input<'_>,
+        length: usize,
     ) {
         for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
             let (i, wall) = (batch.bodies[l][0] as usize, WallId::ALL[batch.bodies[l][1] as usize]);
             let slot = batch.slot[l] as usize;
-            L::History::load(&mut batch.history, l, &self.history[slot * L::History::LENGTH..]);
+            L::History::load(&mut batch.history, l, &self.history[slot * length..][..length]);
             // A wall moves along its normal only: it does not slide.
             let mut velocity = -input.velocity[i];
             velocity[wall.axis()] += input.walls[wall].velocity;
@@ -172,8 +174,8 @@ impl WallPairRange<'_> {
             let force = Vec3::from(get(&batch.force, l));
             self.force[i] -= force;
             if MOTION {
-                let slot = batch.slot[l] as usize;
-                let to = &mut self.history[slot * L::History::LENGTH..];
+                let (slot, length) = (batch.slot[l] as usize, law.history_length());
+                let to = &mut self.history[slot * length..][..length];
                 L::History::store(&batch.history, l, to);
             }
             if TORQUES {

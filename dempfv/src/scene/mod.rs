@@ -5,7 +5,9 @@
 //! keys, how they are read, checked and written, what must hold, and the names of its effects. A
 //! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
+mod bonds;
 mod cell;
+mod contacts;
 mod dem;
 mod difference;
 mod fluid;
@@ -28,7 +30,9 @@ mod walls;
 mod wrong;
 
 pub use crate::dem::{CellControl, CellControls, WallControl};
+pub use bonds::Bonds;
 pub use cell::CellShape;
+pub use contacts::{AdhesionModel, Contacts, NormalLaw, Turning};
 pub use dem::{Dem, TimeStep};
 pub(crate) use difference::stage_names;
 pub use difference::{Difference, differences};

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::bonds::Bonds;
 use super::cell::{CellShape, PERIODIC};
+use super::contacts::Contacts;
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
@@ -16,6 +18,8 @@ use super::sizes::Cloud;
 use super::stage::{self, Stage, StageKind};
 use super::walls::Walls;
 use super::wrong::Wrong;
+use crate::dem::DemError;
+use crate::dem::law::{Granular, GranularEffects};
 use crate::domain::{Aabb, Vec3};
 use crate::input::InputError;
 use crate::io::packing::Packing;
@@ -27,6 +31,8 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
     "cell",
     "particles",
     "walls",
+    "contacts",
+    "bonds",
     "dem",
     "fluid",
     "stage",
@@ -73,6 +79,10 @@ pub struct Plan {
     pub particles: Particles,
     /// The six walls' material.
     pub walls: Walls,
+    /// What contacts do beside linear springs and friction.
+    pub contacts: Contacts,
+    /// Bonds between spheres; `None`: there are none.
+    pub bonds: Option<Bonds>,
     /// The mechanics; `None`: nothing moves.
     pub dem: Option<Dem>,
     /// The fluid in the pores; `None`: nothing is triangulated.
@@ -94,6 +104,8 @@ impl Default for Plan {
             cell: None,
             particles: Particles::default(),
             walls: Walls::default(),
+            contacts: Contacts::default(),
+            bonds: None,
             dem: None,
             fluid: None,
             stages: vec![],
@@ -133,6 +145,8 @@ impl Plan {
         Keys::Check(self.particles.schema())
             .rule("cloud", self.particles.wrong_in(self.room().as_ref()))?;
         self.walls.check()?;
+        self.contacts.check()?;
+        self.bonds.iter().try_for_each(Keyed::check)?;
         self.dem.iter().try_for_each(Keyed::check)?;
         self.fluid.iter().try_for_each(Keyed::check)?;
         self.stages.iter().try_for_each(Stage::check)?;
@@ -158,6 +172,7 @@ impl Plan {
                 return Err(Fault { place: Place::Stage(i), what, remedy });
             }
         }
+        self.contact_rules()?;
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
         let wrong = self.fluid.as_ref().and_then(|fluid| {
@@ -227,6 +242,52 @@ impl Plan {
         self.bounds.or(self.cell.and_then(|cell| cell.room()))
     }
 
+    /// Checks contacts and bonds against what moves, and against each other.
+    fn contact_rules(&self) -> Result<(), Fault> {
+        let fault = |place, what: &str, remedy: &str| {
+            Err(Fault { place, what: what.to_owned(), remedy: remedy.to_owned() })
+        };
+        let still = "stands without [dem]: nothing moves, so nothing touches";
+        let moves = "add a table [dem], or leave this one out";
+        if self.dem.is_none() && self.contacts != Contacts::default() {
+            return fault(Place::Table("contacts"), &format!("[contacts] {still}"), moves);
+        }
+        let turns = self.dem.is_none_or(|dem| dem.options.rotation);
+        if let Some(key) = self.contacts.needs_rotation().filter(|_| !turns) {
+            let what = format!("`{key}` in [contacts] stands beside `rotation = false` in [dem]");
+            return fault(Place::Table("contacts"), &what, "let spheres rotate, or leave it out");
+        }
+        let Some(bonds) = &self.bonds else { return Ok(()) };
+        if self.dem.is_none() {
+            return fault(Place::Table("bonds"), &format!("[bonds] {still}"), moves);
+        }
+        if let Err(error) = Granular::new(self.granular()) {
+            let what = format!("[bonds] beside [contacts]: {error}");
+            return fault(Place::Table("bonds"), &what, "leave one of the two effects out");
+        }
+        match bonds.wrong_in(self.particles.material.young, &self.stages) {
+            Some(wrong) => {
+                fault(Place::Table("bonds"), &format!("[bonds] {}", wrong.problem), &wrong.remedy)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn granular(&self) -> GranularEffects {
+        let bonds = self.bonds.as_ref().map(|bonds| bonds.strength);
+        GranularEffects { bonds, ..self.contacts.effects() }
+    }
+
+    /// The contact law where it is not the linear one.
+    ///
+    /// # Errors
+    /// Constants that make no sense, or effects that do not go together: of a plan that
+    /// [`validate`](Plan::validate) refuses.
+    pub fn granular_law(&self) -> Result<Option<Granular>, DemError> {
+        let effects = self.granular();
+        (effects != GranularEffects::default()).then(|| Granular::new(effects)).transpose()
+    }
+
     /// The mechanics of a stage: `[dem]`, with what the stage says otherwise. `None` where
     /// nothing moves.
     pub fn mechanics(&self, stage: &Stage) -> Option<Dem> {
@@ -279,6 +340,8 @@ impl Plan {
         let mut effects = Vec::new();
         effects.extend(self.particles.effects(contacts));
         effects.extend(self.walls.effects(contacts && self.particles.has_friction()));
+        effects.extend(self.contacts.names(contacts));
+        effects.extend(Bonds::names(self.bonds.as_ref(), contacts));
         effects.extend(Dem::effects(&moving));
         effects.push((PERIODIC, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
+use super::bonds::{self, Bonds};
 use super::cell::{self, CellShape};
+use super::contacts::{self, Contacts};
 use super::dem::{self, Dem};
 use super::fluid::{self, Fluid};
 use super::keys::{Keyed, Keys};
@@ -28,13 +30,15 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 23] = [
+static SCHEMAS: [&Schema; 25] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
     &particles::SCHEMA,
     &sizes::SCHEMA,
     &walls::SCHEMA,
+    &contacts::SCHEMA,
+    &bonds::SCHEMA,
     &dem::SCHEMA,
     &fluid::SCHEMA,
     &fluid::PRESSURE,
@@ -156,6 +160,10 @@ impl Plan {
         self.cell.iter().for_each(|cell| table("[cell]", cell.write()));
         table("[particles]", self.particles.write());
         table("[walls]", self.walls.write());
+        if self.contacts != Contacts::default() {
+            table("[contacts]", self.contacts.write());
+        }
+        self.bonds.iter().for_each(|bonds| table("[bonds]", bonds.write()));
         self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
         self.fluid.iter().for_each(|fluid| table("[fluid]", fluid.write()));
         self.stages.iter().for_each(|stage| table("[[stage]]", stage.write()));
@@ -183,6 +191,8 @@ fn read(root: &Table) -> Result<Plan> {
     let particles = Particles::read_in(&particles, room.as_ref())?;
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
+    let contacts = read_or(root, "contacts", Contacts::default())?.unwrap_or_default();
+    let bonds = read_or(root, "bonds", Bonds::default())?;
     let dem = read_or(root, "dem", Dem::default())?;
     let fluid = read_or(root, "fluid", Fluid::default())?;
     let stages = read_stages(root, &Before { walls: &walls, has_fluid: fluid.is_some() })?;
@@ -190,7 +200,21 @@ fn read(root: &Table) -> Result<Plan> {
         Some(value) => read_output(&value, bounds.as_ref(), fluid.is_some())?,
         None => Output::default(),
     };
-    Ok(Plan { title, file, seed, bounds, cell, particles, walls, dem, fluid, stages, output })
+    Ok(Plan {
+        title,
+        file,
+        seed,
+        bounds,
+        cell,
+        particles,
+        walls,
+        contacts,
+        bonds,
+        dem,
+        fluid,
+        stages,
+        output,
+    })
 }
 
 /// A table, where it is there: its defaults, and what it says otherwise.

@@ -79,6 +79,12 @@ pub(super) enum Bound {
     UpToOne,
     /// From 0 to below 90 (degrees).
     Angle,
+    /// Above -1, up to 0.5.
+    PoissonRatio,
+    /// From 0.001 to 1.
+    Restitution,
+    /// From 1 to 2.
+    InteractionRange,
 }
 
 impl Bound {
@@ -92,6 +98,9 @@ impl Bound {
                 Bound::BelowOne => (0.0..1.0).contains(&x),
                 Bound::UpToOne => x > 0.0 && x <= 1.0,
                 Bound::Angle => (0.0..90.0).contains(&x),
+                Bound::PoissonRatio => x > -1.0 && x <= 0.5,
+                Bound::Restitution => (1e-3..=1.0).contains(&x),
+                Bound::InteractionRange => (1.0..=2.0).contains(&x),
             }
     }
 
@@ -105,6 +114,9 @@ impl Bound {
             Bound::BelowOne => "a number from 0 to below 1",
             Bound::UpToOne => "a number above 0, up to 1",
             Bound::Angle => "a number from 0 to below 90",
+            Bound::PoissonRatio => "a number above -1, up to 0.5",
+            Bound::Restitution => "a number from 0.001 to 1",
+            Bound::InteractionRange => "a number from 1 to 2",
         };
         if unit.is_empty() { range.to_owned() } else { format!("{range} in {unit}") }
     }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::coupling::{
     OnFailure, RemeshMode, TimeStepBounds, TimeStepRule, Update, viscous_time_step,
 };
+use crate::dem::law::{ContactLaw, Stiffness, TwoSpheres};
 use crate::scene::*;
 use crate::solver::{Cost, Fill, SystemSize};
 use crate::theory::sauter_diameter;
@@ -96,18 +97,29 @@ impl Specimen {
 /// random direction, and eq. A.11 of Caulk 2020 where a stage couples the
 /// fluid.
 ///
-/// With k_n = E r between equal spheres and contacts of random direction, the
-/// diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3.
+/// With contacts of random direction, the diagonal of the summed stiffness is 6 (k_n + 2 k_s) / 3;
+/// k_n = E r between equal spheres of the linear law.
 fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     let material = &plan.particles.material;
     let r = smallest_radius;
     let mass = 4.0 / 3.0 * std::f64::consts::PI * r.powi(3) * material.density;
-    let stiffness = 2.0 * material.young * r * (1.0 + 2.0 * material.stiffness_ratio);
+    let linear = Stiffness {
+        normal: material.young * r,
+        shear: material.stiffness_ratio * material.young * r,
+    };
+    // Of a law that makes no sense the run itself will tell.
+    let law = plan.granular_law().ok().flatten();
+    let Stiffness { normal, shear } = law.map_or(linear, |law| {
+        let spheres = law.between_spheres(material, material);
+        // The overlap that a run expects of contacts that do not exist yet.
+        law.stiffness(&spheres, TwoSpheres(r, r), 0.01 * r)
+    });
+    let stiffness = 2.0 * (normal + 2.0 * shear);
     let coupled = plan.stages.iter().any(|s| s.kind.is_coupled());
     let fluid = plan.fluid.as_ref().filter(|_| coupled);
     let undamped = plan.dem.as_ref().is_some_and(|dem| dem.options.damping == 0.0);
-    // As `Dem::collision_time_step`, with k_n = E r.
-    let collision = std::f64::consts::PI * (mass / (2.0 * material.young * r)).sqrt() / 16.0;
+    // As `Dem::collision_time_step`.
+    let collision = std::f64::consts::PI * (mass / (2.0 * normal)).sqrt() / 16.0;
     TimeStepBounds {
         contact: (2.0 * mass / stiffness).sqrt(),
         viscous_estimate: fluid.map(|f| viscous_time_step(r, material.density, f.fluid.viscosity)),

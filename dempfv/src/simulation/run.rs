@@ -153,7 +153,10 @@ impl Simulation {
         if changes.outdate_network() {
             saved.forget_network();
         }
-        let (mut coupled, progress) = Coupled::mechanics_of(saved, Linear)?;
+        let (mut coupled, progress) = match plan.granular_law()? {
+            Some(law) => Coupled::mechanics_of(saved, law)?,
+            None => Coupled::mechanics_of(saved, Linear)?,
+        };
         coupled.build_with(builder);
         let mut active = state.active;
         if let (Some(active), Some(going)) = (&mut active, going) {
@@ -246,7 +249,13 @@ impl Simulation {
         };
         let mut active = match self.active.take() {
             Some(active) => active,
-            None => Active::start(&mut context)?,
+            None => {
+                let bonds = context.plan.bonds.as_ref();
+                if bonds.is_some_and(|b| b.begin_with(&stage.name, self.stage == 0)) {
+                    context.coupled.controls().bond()?;
+                }
+                Active::start(&mut context)?
+            }
         };
         match active.advance(&mut context) {
             Ok(Progress::Finished(outcome)) => {

@@ -63,9 +63,13 @@ pub(super) fn mechanics(plan: &Plan, specimen: Specimen) -> Result<Dem> {
     let Specimen { position, radius, bounds, cell } = specimen;
     let material = plan.particles.material;
     let particles = dem::Particles::new(position, radius, material.density);
-    Ok(match cell {
-        None => Dem::new(particles, bounds, material, plan.walls.material, options(plan))?,
-        Some(cell) => Dem::in_cell(Linear, particles, cell, &[material], options(plan))?,
+    let (walls, options) = (plan.walls.material, options(plan));
+    let materials = &[material];
+    Ok(match (plan.granular_law()?, cell) {
+        (Some(law), Some(cell)) => Dem::in_cell(law, particles, cell, materials, options)?,
+        (None, Some(cell)) => Dem::in_cell(Linear, particles, cell, materials, options)?,
+        (Some(law), None) => Dem::with_law(law, particles, bounds, materials, walls, options)?,
+        (None, None) => Dem::new(particles, bounds, material, walls, options)?,
     })
 }
 

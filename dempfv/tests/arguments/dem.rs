@@ -2,6 +2,7 @@
 
 use super::dem_support::{UNIT, cloud, frictionless_walls, material, twin};
 use super::{NO_LENGTHS, Table};
+use dempfv::dem::law::{Adhesion, Bonds, Granular, GranularEffects, Hertz, Restitution};
 use dempfv::dem::{
     CloudScale, CloudSpec, Dem, DemError, DemOptions, GrowthCompaction, GrowthOptions, Material,
     Particles, SizeDistribution, WallControl, WallMaterial, random_cloud,
@@ -86,6 +87,10 @@ pub fn table() -> Table {
     making(&mut t, "dem::Dem::with_law", |p, b, m, w, o| {
         Dem::with_law(dempfv::dem::law::Linear, p, b, &[m], w, o)
     });
+    making(&mut t, "dem::Dem::with_effects", |p, b, m, w, o| {
+        Dem::with_effects(GranularEffects::default(), p, b, &[m], w, o)
+    });
+    effects(&mut t);
     states(&mut t);
     steps(&mut t);
     by_number(&mut t);
@@ -105,6 +110,46 @@ pub fn table() -> Table {
             && Aabb::of_spheres(&[Vec3::zeros()], &[f64::INFINITY]).is_none()
     });
     t
+}
+
+/// Constants of effects of contacts.
+fn effects(t: &mut Table) {
+    let none = GranularEffects::default();
+    for value in [f64::NAN, f64::INFINITY, -1.0] {
+        for (word, effects) in [
+            (
+                "poisson_ratio",
+                GranularEffects {
+                    hertz: Some(Hertz { poisson_ratio: value, wall_poisson_ratio: 0.2 }),
+                    ..none
+                },
+            ),
+            (
+                "restitution",
+                GranularEffects {
+                    restitution: Some(Restitution { spheres: value, walls: 1.0 }),
+                    ..none
+                },
+            ),
+            (
+                "adhesion force",
+                GranularEffects { adhesion: Some(Adhesion::Constant(value)), ..none },
+            ),
+            (
+                "tension",
+                GranularEffects {
+                    bonds: Some(Bonds { tension: value, cohesion: 1.0, interaction_range: 1.0 }),
+                    ..none
+                },
+            ),
+        ] {
+            t.refuses("dem::law::Granular::new", word, || Granular::new(effects));
+        }
+    }
+    let (m, w, o) = (material(), frictionless_walls(), DemOptions::default());
+    t.refuses("dem::Dem::with_effects_from_state", "linear", || {
+        Dem::with_effects_from_state(none, small().state(), &[m], w, o)
+    });
 }
 
 fn states(t: &mut Table) {

@@ -8,9 +8,9 @@ use dempfv::scene::{Plan, StageKind};
 use dempfv::simulation::Simulation;
 
 /// Names of the columns, with units; six per-wall columns follow each of the
-/// per-wall quantities, then energy by cause where it is tracked, then one for each probe, then the
-/// lowest and the highest stress on each of the `servos` of any step since the row before; at the
-/// end those of a periodic cell, where there is one.
+/// per-wall quantities, then energy by cause where it is tracked, then one for each of the plan's
+/// probes, then the lowest and the highest stress on each of the `servos` of any step since the row
+/// before, then those of a periodic cell and of bonds, where there are any.
 pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     let output = &plan.output;
     let mut names: Vec<String> = [
@@ -63,6 +63,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
         names.extend(["alpha", "beta", "gamma"].map(|angle| format!("cell_{angle}_deg")));
         names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
         names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
+    }
+    if plan.bonds.is_some() {
+        names.extend(["intact_bonds", "broken_bonds"].map(str::to_owned));
     }
     names
 }
@@ -145,6 +148,10 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         for tensor in [cell.strain, cell.stress] {
             values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
         }
+    }
+    if simulation.plan().bonds.is_some() {
+        let dem = simulation.coupled().dem();
+        values.extend([dem.intact_bonds(), dem.broken_bonds()].map(Value::from));
     }
     for value in values {
         if let Value::Float(x) = value {

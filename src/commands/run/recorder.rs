@@ -51,9 +51,10 @@ impl Recorder {
         simulation: &Simulation,
         from: Option<(u64, f64)>,
     ) -> Result<Recorder> {
-        let output = &simulation.plan().output;
-        let servos = history::servo_walls(simulation.plan());
-        let columns = history::columns(simulation.plan(), &servos);
+        let plan = simulation.plan();
+        let output = &plan.output;
+        let servos = history::servo_walls(plan);
+        let columns = history::columns(plan, &servos);
         let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let path = folder.join("history.csv");
         let history = match from {

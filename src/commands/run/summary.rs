@@ -48,6 +48,8 @@ pub struct Report {
     /// Spheres that are a vertex of no pore, by the user's numbers.
     hidden: Vec<u32>,
     contacts: usize,
+    /// Bonds that hold and that have broken; `None` where there are none.
+    bonds: Option<BondCount>,
     /// Steps since the simulation began, restarts included.
     steps: u64,
     steps_this_session: u64,
@@ -83,6 +85,13 @@ pub struct Report {
     stages: Vec<FinishedStage>,
     #[serde(skip)]
     folder: PathBuf,
+}
+
+/// What became of the bonds.
+#[derive(Serialize)]
+struct BondCount {
+    intact: u64,
+    broken: u64,
 }
 
 /// A stage with what it found out as one more key, `consolidate` for example. (Checkpoints
@@ -140,6 +149,10 @@ impl Report {
             unknowns,
             hidden: hidden(coupled),
             contacts: seen.contacts,
+            bonds: plan.bonds.is_some().then(|| BondCount {
+                intact: coupled.dem().intact_bonds(),
+                broken: coupled.dem().broken_bonds(),
+            }),
             steps: simulation.step(),
             model_time_s: simulation.time(),
             wall_s,

@@ -38,21 +38,21 @@ pub fn put(lanes: &mut [Lane; 3], l: usize, v: Vector) {
     lanes[2][l] = v[2];
 }
 
-/// What a contact remembers from step to step: an array `[f64; N]`, N ≥ 0.
+/// What a contact remembers from step to step: an array `[f64; N]`, N ≥ 0, or [`UpTo`].
 pub trait History: Copy + Debug + Send + Sync + 'static {
-    /// Numbers per contact.
+    /// Numbers per contact, or the most of them.
     const LENGTH: usize;
     /// The histories of a batch.
     type Lanes: Debug;
     /// Lanes of zeros: the history of contacts that have just begun.
     fn zeros() -> Self::Lanes;
-    /// Reads the history of contact `l` from [`History::LENGTH`] numbers.
+    /// Reads the history of contact `l` from the numbers of the contact.
     fn load(lanes: &mut Self::Lanes, l: usize, from: &[f64]);
-    /// Writes the history of contact `l` to [`History::LENGTH`] numbers.
+    /// Writes the history of contact `l` to the numbers of the contact.
     fn store(lanes: &Self::Lanes, l: usize, to: &mut [f64]);
-    /// The history in [`History::LENGTH`] numbers.
+    /// The history in the numbers of a contact.
     fn read(from: &[f64]) -> Self;
-    /// Writes a history to [`History::LENGTH`] numbers.
+    /// Writes a history to the numbers of a contact.
     fn write(self, to: &mut [f64]);
 }
 
@@ -85,6 +85,44 @@ impl<const N: usize> History for [f64; N] {
 
     fn write(self, to: &mut [f64]) {
         to.copy_from_slice(&self);
+    }
+}
+
+/// A history of up to `N` numbers: those that the law's
+/// [`history_length`](super::ContactLaw::history_length) does not count are neither stored nor
+/// loaded, and zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UpTo<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> History for UpTo<N> {
+    const LENGTH: usize = N;
+    type Lanes = [Lane; N];
+
+    #[inline(always)]
+    fn zeros() -> [Lane; N] {
+        [ZERO_LANE; N]
+    }
+
+    #[inline(always)]
+    fn load(lanes: &mut [Lane; N], l: usize, from: &[f64]) {
+        for (lane, x) in lanes.iter_mut().zip(from) {
+            lane[l] = *x;
+        }
+    }
+
+    #[inline(always)]
+    fn store(lanes: &[Lane; N], l: usize, to: &mut [f64]) {
+        for (lane, x) in lanes.iter().zip(to) {
+            *x = lane[l];
+        }
+    }
+
+    fn read(from: &[f64]) -> UpTo<N> {
+        UpTo(std::array::from_fn(|k| from.get(k).copied().unwrap_or(0.0)))
+    }
+
+    fn write(self, to: &mut [f64]) {
+        to.iter_mut().zip(self.0).for_each(|(to, x)| *to = x);
     }
 }
 

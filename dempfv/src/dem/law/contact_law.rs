@@ -53,7 +53,8 @@ pub struct ContactForce {
 /// do not depend on the number of threads.
 pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
     /// What a contact remembers: `[f64; N]`, zero when it begins. `[f64; 0]`
-    /// for a law without memory.
+    /// for a law without memory; [`UpTo`](super::UpTo) where its length depends on the law's
+    /// constants.
     type History: History;
 
     /// The constants of a contact that follow from its two materials.
@@ -66,6 +67,12 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
     /// The law's name. A checkpoint keeps it, so that no other law takes up
     /// its histories.
     fn name(&self) -> &'static str;
+
+    /// Numbers of the history that are stored for each contact.
+    #[inline(always)]
+    fn history_length(&self) -> usize {
+        Self::History::LENGTH
+    }
 
     /// Constants of a contact of two spheres.
     fn between_spheres(&self, first: &Material, second: &Material) -> Self::Parameters;
@@ -80,6 +87,38 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
     /// where they must touch. A pair that is farther apart loses its history.
     fn cut_off(&self) -> f64 {
         0.0
+    }
+
+    /// Takes the cut-off that contacts with these constants need, of spheres up to this radius (m):
+    /// before a list of neighbours is built. For a law whose reach grows with the spheres.
+    fn fit_cut_off<'p>(
+        &mut self,
+        _parameters: impl Iterator<Item = &'p Self::Parameters>,
+        _largest_radius: f64,
+    ) {
+    }
+
+    /// Whether two bodies within the cut-off act on each other.
+    fn acts(&self, _overlap: f64, _history: &Self::History) -> bool {
+        true
+    }
+
+    /// Whether the stiffness grows with the overlap.
+    fn stiffens(&self) -> bool {
+        false
+    }
+
+    /// The overlap (m) at which the stiffness of a contact is taken that does not exist yet, in
+    /// which an energy of approach (J) may be stored; `usual` unless that is more. Only where the
+    /// law stiffens.
+    fn expected_overlap(
+        &self,
+        _parameters: &Self::Parameters,
+        _radii: impl Radii,
+        _energy: f64,
+        usual: f64,
+    ) -> f64 {
+        usual
     }
 
     /// Stiffnesses at an `overlap` (m), for the bound of the time step. A law
@@ -110,6 +149,17 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
         overlap: f64,
         history: &Self::History,
     ) -> f64;
+
+    /// Bonds two spheres with this overlap and these radii (m) for good, if they are near enough;
+    /// tells whether. Never for a law without bonds.
+    fn bond(&self, _overlap: f64, _radii: [f64; 2], _history: &mut [f64]) -> bool {
+        false
+    }
+
+    /// Whether an intact bond holds a contact.
+    fn is_bonded(&self, _history: &Self::History) -> bool {
+        false
+    }
 
     /// The history when the two bodies change places: a force on the second
     /// body changes its sign. Needed when spheres are renumbered.

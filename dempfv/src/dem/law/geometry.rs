@@ -9,6 +9,19 @@ pub trait Radii: Copy {
     /// `factor` times the reduced radius r₁ r₂ / (r₁ + r₂), which is r for a
     /// sphere of radius r on a plane (m).
     fn reduced(self, factor: f64) -> f64;
+
+    /// The reduced mass m₁ m₂ / (m₁ + m₂) of spheres of these densities (kg/m³), which is m on a
+    /// wall: what each of two free spheres has against the other (kg).
+    fn reduced_mass(self, densities: [f64; 2]) -> f64;
+
+    /// The smaller radius (m).
+    fn smaller(self) -> f64;
+}
+
+/// Mass of a sphere (kg).
+#[inline(always)]
+fn mass(density: f64, radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * density * (radius * radius * radius)
 }
 
 /// The radii of two spheres (m).
@@ -25,12 +38,33 @@ impl Radii for TwoSpheres {
         let TwoSpheres(r1, r2) = self;
         factor * r1 * r2 / (r1 + r2)
     }
+
+    #[inline(always)]
+    fn reduced_mass(self, densities: [f64; 2]) -> f64 {
+        let (m1, m2) = (mass(densities[0], self.0), mass(densities[1], self.1));
+        m1 * m2 / (m1 + m2)
+    }
+
+    #[inline(always)]
+    fn smaller(self) -> f64 {
+        self.0.min(self.1)
+    }
 }
 
 impl Radii for SphereOnPlane {
     #[inline(always)]
     fn reduced(self, factor: f64) -> f64 {
         factor * self.0
+    }
+
+    #[inline(always)]
+    fn reduced_mass(self, densities: [f64; 2]) -> f64 {
+        mass(densities[0], self.0)
+    }
+
+    #[inline(always)]
+    fn smaller(self) -> f64 {
+        self.0
     }
 }
 
@@ -69,6 +103,14 @@ pub trait Geometry {
     /// How contact `l` moved during a step of `dt` (s). With `TORQUES` the
     /// bodies' spins count. Only where the law asked for the motion.
     fn sliding<const TORQUES: bool>(&self, l: usize, dt: f64) -> Sliding;
+
+    /// Velocity of the second body relative to the first at the contact, across the normal (m/s).
+    /// With `TORQUES` the bodies' spins count. Only where the law asked for the motion.
+    fn slip_velocity<const TORQUES: bool>(&self, l: usize) -> Vector;
+
+    /// Spin of the first body relative to the second (rad/s); a wall does not turn. Only where the
+    /// law asked for torques.
+    fn relative_spin(&self, l: usize) -> Vector;
 
     /// Distance of the contact point from each centre (m): the middle of the
     /// overlap. A wall does not turn: 0.
@@ -168,6 +210,23 @@ impl Geometry for SpherePairs {
     }
 
     #[inline(always)]
+    fn slip_velocity<const TORQUES: bool>(&self, l: usize) -> Vector {
+        let (normal, mut velocity) = (self.normal(l), self.velocity(l));
+        if TORQUES {
+            let [first, second] = self.arms(l);
+            let rim = scaled(first, get(&self.spin[0], l));
+            let rim = add_scaled(rim, second, get(&self.spin[1], l));
+            velocity = add_scaled(velocity, -1.0, cross(rim, normal));
+        }
+        tangential(velocity, normal)
+    }
+
+    #[inline(always)]
+    fn relative_spin(&self, l: usize) -> Vector {
+        add_scaled(get(&self.spin[0], l), -1.0, get(&self.spin[1], l))
+    }
+
+    #[inline(always)]
     fn arms(&self, l: usize) -> [f64; 2] {
         let half = 0.5 * self.overlap[l];
         [self.radius[0][l] - half, self.radius[1][l] - half]
@@ -240,6 +299,21 @@ impl Geometry for SpheresOnWalls {
             motion.slip = add_scaled(motion.slip, -dt * arm, cross(spin, normal));
         }
         motion
+    }
+
+    #[inline(always)]
+    fn slip_velocity<const TORQUES: bool>(&self, l: usize) -> Vector {
+        let (normal, mut velocity) = (self.normal(l), self.velocity(l));
+        if TORQUES {
+            let [arm, _] = self.arms(l);
+            velocity = add_scaled(velocity, -arm, cross(get(&self.spin, l), normal));
+        }
+        tangential(velocity, normal)
+    }
+
+    #[inline(always)]
+    fn relative_spin(&self, l: usize) -> Vector {
+        get(&self.spin, l)
     }
 
     #[inline(always)]

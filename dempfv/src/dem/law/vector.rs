@@ -33,3 +33,10 @@ pub fn scaled(s: f64, a: Vector) -> Vector {
 pub fn tangential(a: Vector, n: Vector) -> Vector {
     add_scaled(a, -dot(a, n), n)
 }
+
+/// `a`, or a vector of its direction of the length `limit` where that is shorter.
+#[inline(always)]
+pub fn cut(a: Vector, limit: f64) -> Vector {
+    let size2 = dot(a, a);
+    scaled(if size2 > limit * limit { limit / size2.sqrt() } else { 1.0 }, a)
+}

@@ -40,6 +40,8 @@ pub(super) fn verdict(plan: &Plan, difference: &Difference, under_way: &UnderWay
         ["particles", ref keys @ ..] => particles(plan, keys),
         ["walls", "max_velocity"] => used("by stages that give none of their own"),
         ["walls", ..] => Verdict::Odd(MEASURED.to_owned()),
+        ["contacts", ref keys @ ..] => contacts(keys, difference),
+        ["bonds", ref keys @ ..] => bonds(keys, difference),
         ["dem", "gravity" | "rotation"] | ["fluid"] | ["dem"] => Verdict::Odd(String::new()),
         ["dem", "dt" | "damping"] => used("by stages that give none of their own"),
         ["fluid", ref keys @ ..] => fluid(keys, under_way),
@@ -72,6 +74,27 @@ fn particles(plan: &Plan, keys: &[&str]) -> Verdict {
         }
         (["density"], _) => Verdict::Odd("masses change, velocities stay".to_owned()),
         _ => Verdict::Odd(MEASURED.to_owned()),
+    }
+}
+
+/// Contacts remember what their law has left there: only its constants may change.
+fn contacts(keys: &[&str], difference: &Difference) -> Verdict {
+    let is_constant = difference.before.is_some() && difference.now.is_some();
+    match keys {
+        [key] if is_constant && !["law", "adhesion"].contains(key) => {
+            Verdict::Odd(MEASURED.to_owned())
+        }
+        _ => Verdict::Refused(
+            "what contacts remember is of the law that the run began with".to_owned(),
+        ),
+    }
+}
+
+fn bonds(keys: &[&str], difference: &Difference) -> Verdict {
+    match keys {
+        ["tension" | "cohesion"] => Verdict::Odd(MEASURED.to_owned()),
+        ["from" | "interaction_range"] => used("where the bonds are not made yet"),
+        _ => contacts(keys, difference),
     }
 }
 

@@ -68,6 +68,7 @@ impl<'a> Changes<'a> {
         self.outdate_network()
             || self.has(&["particles"])
             || self.has(&["walls"])
+            || self.has(&["contacts"])
             || mechanics.iter().any(|key| self.has(&["dem", key]))
             || stage.iter().any(|key| self.in_stage(key))
     }
