@@ -84,8 +84,9 @@ pub enum PfvError {
     /// Pores without a path to an imposed pressure would have to swallow fluid.
     #[error(
         "pore {pore} (vertices {vertices}){} no path to a pore with an imposed pressure, but would have to swallow \
-         {rate:.3e} m³/s: there is no such flow of an incompressible fluid; impose a pressure, keep spheres from \
-         overlapping so much that they close its throats, or let such pores drain (`sealed_pores = \"drained\"` in [fluid])",
+         {rate:.3e} m³/s: there is no such flow of an incompressible fluid; impose a pressure, keep \
+         spheres from overlapping so much that they close its throats, or let such pores drain \
+         (`sealed_pores = \"drained\"` in [fluid])",
         others(*pores)
     )]
     SealedPores {

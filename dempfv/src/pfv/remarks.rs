@@ -89,8 +89,8 @@ impl NetworkRemarks {
             (
                 self.drained_pores,
                 format!(
-                    "{} of them are held at the mean of the imposed pressures: what they swallow or give off comes \
-                     from nowhere",
+                    "{} of them are held at the mean of the imposed pressures: what they swallow or give off \
+                     comes from nowhere",
                     self.drained_pores
                 ),
             ),
