@@ -44,6 +44,27 @@ fn pull(dem: &mut Dem) -> Vec3 {
     dem.force(0)
 }
 
+/// What pressed contacts store is gone once they are bonded, and is no residual of the energy.
+#[test]
+fn bonds_made_later_leave_no_residual() {
+    let position = [0.0, 1.9 * R, 3.8 * R].map(|d| Vec3::new(3.0 + d, 5.0, 5.0));
+    let p = Particles::new(position.to_vec(), vec![R; 3], MATERIAL.density);
+    let options = DemOptions { damping: 0.3, ..DemOptions::default() };
+    let walls = frictionless_walls();
+    let mut dem = Dem::with_effects(law(), p, BOX, &[MATERIAL], walls, options).unwrap();
+    dem.compute_contacts().unwrap();
+    dem.track_energy(true);
+    for _ in 0..10 {
+        dem.step(1e-6).unwrap();
+    }
+    let before = dem.energy_balance().unwrap();
+    assert_eq!(dem.bond().unwrap(), 2);
+    dem.step(1e-6).unwrap();
+    let after = dem.energy_balance().unwrap();
+    assert!(after.elastic < 1e-3 * before.elastic, "{after:?}");
+    assert!(after.residual.abs() < 1e-3 * before.elastic, "{after:?}");
+}
+
 /// Bonds hold nothing at first, then as springs in series; a column pulled apart breaks at σ_t A, at
 /// one bond, and hangs together no more. Pushed together again it bears pressure, and no tension
 /// ever.

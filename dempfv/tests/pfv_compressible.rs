@@ -138,6 +138,31 @@ fn what_is_stored_is_not_lost() {
     assert!((after / before - 1.0).abs() < 1e-12, "{}", after / before - 1.0);
 }
 
+/// A drained box that shrinks across a network keeps its pressures above the one that is imposed,
+/// however large that is: what the box stored at it has left with the volume.
+#[test]
+fn a_network_adds_nothing_to_a_large_imposed_pressure() {
+    let s = settled();
+    let (v, walls) = squeeze(&s);
+    let (mut bounds, lost) = (s.bounds, 1e-3 * s.bounds.size().y);
+    bounds.max.y -= lost;
+    let moved: Vec<Vec3> =
+        s.x.iter()
+            .map(|x| x - lost * (x.y - s.bounds.min.y) / s.bounds.size().y * Vec3::y())
+            .collect();
+    let above = |imposed: f64| {
+        let mut flow = compressible(&s, &fluid(Some(imposed)), 1e7, DT, SolverKind::Cholmod);
+        flow.solve(&v, &walls).unwrap();
+        let flow = flow.renew(&moved, &s.r, bounds, &fluid(Some(imposed))).unwrap();
+        flow.pressure().iter().map(|p| p - imposed).collect::<Vec<_>>()
+    };
+    let (low, high) = (above(0.0), above(1e6));
+    let largest = low.iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
+    for (low, high) in low.iter().zip(&high) {
+        assert!((high - low).abs() < 1e-6 * largest, "{high} after {low} of {largest}");
+    }
+}
+
 /// A factor for another time step is another factor: the pressures are those of a flow that was built
 /// for it, bit for bit.
 #[test]

@@ -7,12 +7,15 @@ use super::system::Dem;
 impl Dem {
     /// Bonds all spheres that are near enough, by the law that the `Dem` was made with, and returns
     /// how many bonds there are now. Bonds that were broken before are made again; of a law without
-    /// bonds none are made.
+    /// bonds none are made. What contacts store that are bonded is given up: tracked energy counts
+    /// from what is left.
     ///
     /// # Errors
     /// As [`Dem::compute_contacts`].
     pub fn bond(&mut self) -> Result<u64, DemError> {
         self.compute_contacts()?;
+        let tracked = |dem: &Dem| dem.ledger.as_ref().map(|_| dem.energy_now().iter().sum::<f64>());
+        let before = tracked(self);
         let length = self.law.history_length();
         let mut made = 0;
         for k in (0..self.list.pairs.len()).filter(|&k| self.list.touch[k]) {
@@ -24,6 +27,11 @@ impl Dem {
             made += u64::from(self.law.bond(overlap, radii, history));
         }
         self.bonds = made;
+        if let (Some(before), Some(now)) = (before, tracked(self))
+            && let Some(ledger) = &mut self.ledger
+        {
+            ledger.began_with += now - before;
+        }
         Ok(made)
     }
 

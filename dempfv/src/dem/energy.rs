@@ -122,7 +122,7 @@ impl Dem {
 
     /// Kinetic energy of translation and rotation, elastic energy and that of gravity, half a step
     /// before the positions (J).
-    fn energy_now(&self) -> [f64; 4] {
+    pub(super) fn energy_now(&self) -> [f64; 4] {
         let p = &self.particles;
         let gravity = self.options.gravity.map_or(0.0, |g| {
             let half_way = |i: usize| p.position[i] - 0.5 * self.pending_dt * p.velocity[i];

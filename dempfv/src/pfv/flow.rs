@@ -155,8 +155,8 @@ impl Flow {
         }
         let points = unknown_points(&self.network, &self.operators);
         let time_step = self.time_step().unwrap_or_default();
-        let content =
-            self.operators.storage().map(|storage| storage.content(self.pressures.absolute()));
+        let relative = &self.pressures.relative;
+        let content = self.operators.storage().map(|s| (s.content(relative), s.whole_capacity()));
         let (around, matrix) = self.operators.retire();
         let pressures = TransferSource::new(self.network, around, self.pressures, content);
         let backend = self.backend;

@@ -7,15 +7,18 @@ use super::{Flow, PfvError, TransferSource};
 use crate::solver::Backend;
 
 impl Flow {
-    /// Shifts the free pressures until the pores store what those of another network did.
+    /// Shifts the free pressures until the pores store what those of another network did. Both above
+    /// the mean of the imposed pressures: what a drained box stores at that leaves with the volume
+    /// that it loses, and must not come back as pressure.
     pub(super) fn keep_content(&mut self, from: &TransferSource) {
         let Flow { network, operators, extrapolation, pressures, .. } = self;
-        let Some((storage, content)) = operators.storage().zip(from.content_for(network)) else {
-            return;
-        };
+        let level = operators.conditions().mean_pressure();
+        let content = from.content_for(network, level);
+        let Some((storage, content)) = operators.storage().zip(content) else { return };
         let free = storage.free_capacity(&operators.pore_of);
         if free > 0.0 {
-            let change = (content - storage.content(pressures.absolute())) / free;
+            let below = storage.whole_capacity() * (pressures.reference - level);
+            let change = (content - storage.content(&pressures.relative) - below) / free;
             extrapolation.now.iter_mut().for_each(|p| *p += change);
             self.spread_pressures();
         }

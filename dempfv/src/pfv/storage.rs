@@ -121,6 +121,11 @@ impl Storage {
         parts(&products, |part| part.iter().sum(), 0.0, |a: f64, b| a + b)
     }
 
+    /// What all pores store per unit of pressure (m³/Pa).
+    pub fn whole_capacity(&self) -> f64 {
+        parts(&self.capacity, |part| part.iter().sum(), 0.0, |a: f64, b| a + b)
+    }
+
     /// What the unknowns among the pores store per unit of pressure (m³/Pa).
     pub fn free_capacity(&self, pore_of: &[u32]) -> f64 {
         pore_of.iter().map(|&i| self.capacity[i as usize]).sum()

@@ -18,8 +18,9 @@ pub struct TransferSource {
     center: Vec<Vec3>,
     pressures: PorePressures,
     around: Incidence,
-    /// What the pores stored (m³), where they do.
-    content: Option<f64>,
+    /// What the pores stored above the reference (m³), and would per unit of pressure (m³/Pa), where
+    /// they do.
+    content: Option<(f64, f64)>,
 }
 
 impl TransferSource {
@@ -27,7 +28,7 @@ impl TransferSource {
         network: Network,
         around: Incidence,
         pressures: PorePressures,
-        content: Option<f64>,
+        content: Option<(f64, f64)>,
     ) -> TransferSource {
         let Network { tessellation, center, .. } = network;
         TransferSource {
@@ -40,9 +41,11 @@ impl TransferSource {
         }
     }
 
-    /// What the pores stored (m³), for another network of the same spheres.
-    pub(super) fn content_for(&self, network: &Network) -> Option<f64> {
-        self.content.filter(|_| network.tessellation.spheres == self.spheres)
+    /// What the pores stored above a reference (Pa), for another network of the same spheres (m³).
+    pub(super) fn content_for(&self, network: &Network, reference: f64) -> Option<f64> {
+        let shift = self.pressures.reference - reference;
+        let content = self.content.map(|(above, capacity)| above + capacity * shift);
+        content.filter(|_| network.tessellation.spheres == self.spheres)
     }
 
     /// Writes the pressures (Pa, above the reference) of another network's unknowns. Leaves them
