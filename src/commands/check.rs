@@ -53,7 +53,25 @@ pub struct Report {
 #[derive(Serialize)]
 struct Effects {
     on: Vec<&'static str>,
+    /// What those that are on make necessary.
+    needs: Vec<Need>,
     off: Vec<&'static str>,
+}
+
+/// What an effect makes necessary.
+#[derive(Serialize)]
+struct Need {
+    effect: &'static str,
+    needs: &'static str,
+}
+
+impl Effects {
+    fn of(plan: &Plan) -> Effects {
+        let on = plan.effects().into_iter().filter_map(|(effect, on)| on.then_some(effect));
+        let needs = on.filter(|effect| !effect.needs.is_empty());
+        let needs = needs.map(|effect| Need { effect: effect.name, needs: effect.needs });
+        Effects { on: plan.effects_on(), needs: needs.collect(), off: plan.effects_off() }
+    }
 }
 
 #[derive(Serialize)]
@@ -95,7 +113,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         .collect();
     Ok(Report {
         title: plan.title.clone(),
-        effects: Effects { on: plan.effects_on(), off: plan.effects_off() },
+        effects: Effects::of(&plan),
         stages,
         bounds,
         advice,
@@ -217,6 +235,9 @@ impl fmt::Display for Report {
             line(f, &format!("stage {}", i + 1), &text)?;
         }
         line(f, "effects on", &list(&self.effects.on))?;
+        for Need { effect, needs } in &self.effects.needs {
+            line(f, "needs", &format!("{effect}: {needs}"))?;
+        }
         line(f, "effects off", &list(&self.effects.off))?;
         let spheres = count(self.estimate.spheres as u64);
         line(f, "particles", &format!("{spheres}: {}", describe::source(&plan.particles.source)))?;

@@ -13,6 +13,18 @@ use crossbeam_channel::{Receiver, Sender, TryRecvError, unbounded};
 use super::error::{CouplingError, Result};
 use super::network_builder::{NetworkBuilder, NetworkRequest};
 use crate::pfv::Flow;
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "background remesh",
+    family: Family::Numerics,
+    equation: "the next network is built and factored from a snapshot while the steps go on",
+    source: "R. Caulk et al.: Comput. Phys. Commun. 248 (2020), section 3",
+    keys: &[EffectKey { key: "remesh in [fluid]", unit: "", default: "\"at once\"" }],
+    needs: "pore flow",
+    test: "dempfv/tests/coupling_background.rs",
+};
 
 /// Names a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

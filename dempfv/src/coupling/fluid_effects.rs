@@ -15,7 +15,7 @@ pub const PRESSURE_IN_TIME: Effect = Effect {
     source: "a boundary condition",
     keys: &[EffectKey { key: "pressure in [fluid]", unit: "Pa", default: "none" }],
     needs: "",
-    test: "coupling_conditions: a_wall_follows_its_pressure",
+    test: "dempfv/tests/coupling_conditions.rs",
 };
 
 /// What pressures of pores beside walls say of themselves.
@@ -26,7 +26,7 @@ pub const IMPOSED_REGIONS: Effect = Effect {
     source: "a boundary condition",
     keys: &[EffectKey { key: "imposed in [fluid]", unit: "Pa", default: "none" }],
     needs: "",
-    test: "coupling_conditions: regions_keep_their_pressure",
+    test: "dempfv/tests/coupling_conditions.rs",
 };
 
 /// Effects of the fluid that are off unless someone asks for them.

@@ -36,7 +36,7 @@ pub use controls::Controls;
 pub use counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 pub use coupled::Coupled;
 pub use error::CouplingError;
-pub use fluid_effects::{FluidEffects, IMPOSED_REGIONS, PRESSURE_IN_TIME};
+pub use fluid_effects::FluidEffects;
 pub use gpu_use::GpuUse;
 pub use network_builder::{BackendBuilder, NetworkBuilder, NetworkRequest, StandardBuilder};
 pub use observe::{CellObservation, Observation};
@@ -45,3 +45,10 @@ pub use phases::{Phase, Phases};
 pub use saturation::{RemeshRule, Saturation};
 pub use state::{CoupledState, Parameters};
 pub use time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};
+
+/// What the effects of this room say of themselves.
+pub mod effects {
+    pub use super::background::EFFECT as BACKGROUND_REMESH;
+    pub use super::fluid_effects::{IMPOSED_REGIONS, PRESSURE_IN_TIME};
+    pub use super::options::{EVERY_STEP, PARALLEL_TASKS};
+}

@@ -1,6 +1,29 @@
 //! How the pore network is renewed while the spheres move on.
 
+use crate::{Effect, EffectKey, Family};
 use serde::{Deserialize, Serialize};
+
+/// What this effect says of itself.
+pub const EVERY_STEP: Effect = Effect {
+    name: "network at every step",
+    family: Family::Numerics,
+    equation: "conductances and volumes follow the spheres; conjugate gradients with the aged factor",
+    source: "docs/solver.md",
+    keys: &[EffectKey { key: "update in [fluid]", unit: "", default: "\"remesh\"" }],
+    needs: "pore flow",
+    test: "dempfv/tests/pfv_update.rs",
+};
+
+/// What this effect says of itself.
+pub const PARALLEL_TASKS: Effect = Effect {
+    name: "parallel tasks",
+    family: Family::Numerics,
+    equation: "the fluid of a step beside its contacts",
+    source: "R. Caulk et al.: Comput. Phys. Commun. 248 (2020), section 3",
+    keys: &[EffectKey { key: "parallel_tasks in [fluid]", unit: "", default: "false" }],
+    needs: "pore flow",
+    test: "dempfv/tests/coupling_restart.rs",
+};
 
 /// From which positions, and by whom, a network is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,21 @@
 
 use super::error::DemError;
 use crate::Vec3;
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "local damping",
+    family: Family::Bodies,
+    equation: "a_k → a_k (1 − λ sign(a_k (v_k + a_k Δt/2))), and so for spins",
+    source: "P. A. Cundall: Distinct element models of rock and soil structure (1987)",
+    keys: &[
+        EffectKey { key: "damping in [dem]", unit: "", default: "0.2" },
+        EffectKey { key: "damping in a stage", unit: "", default: "that of [dem]" },
+    ],
+    needs: "",
+    test: "dempfv/tests/dem_energy.rs",
+};
 
 /// Local damping λ, from 0 to less than 1.
 #[derive(Clone, Copy, Debug)]

@@ -16,7 +16,19 @@ use super::ledger::{Ledger, MotionWork};
 use super::system::Dem;
 use super::touch_change::slip;
 use crate::parallel::{block_count, sum_of};
+use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, Vec3, WallId};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "energy by cause",
+    family: Family::Numerics,
+    equation: "ΔK + ΔU = works − losses + residual, each at the half step of the leapfrog",
+    source: "dempfv/src/dem/energy.rs",
+    keys: &[EffectKey { key: "energy in [output]", unit: "", default: "true" }],
+    needs: "",
+    test: "dempfv/tests/dem_energy.rs",
+};
 
 /// Energy of the spheres by cause (J), since [`Dem::track_energy`].
 ///

@@ -5,6 +5,21 @@ use serde::{Deserialize, Serialize};
 use super::error::DemError;
 use super::material::positive;
 use super::system::Dem;
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "growth of radii",
+    family: Family::Bodies,
+    equation: "r → r (1 + (σ_goal − σ)/σ_goal (m − 1)) every 10 steps",
+    source: "YADE's TriaxialCompressionEngine, internal compaction",
+    keys: &[
+        EffectKey { key: "kind = \"compact\" of a stage", unit: "", default: "none" },
+        EffectKey { key: "stress in a compact stage", unit: "Pa", default: "required" },
+    ],
+    needs: "walls or a periodic cell at rest",
+    test: "dempfv/tests/dem_growth.rs",
+};
 
 /// How radii grow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

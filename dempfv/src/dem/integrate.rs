@@ -7,6 +7,29 @@ use super::ledger::MotionWork;
 use super::particles::Particles;
 use crate::Vec3;
 use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const ROTATION: Effect = Effect {
+    name: "rotation",
+    family: Family::Bodies,
+    equation: "I dω/dt = M, I = 2/5 m r²; leapfrog",
+    source: "L. Verlet: Phys. Rev. 159 (1967), as leapfrog",
+    keys: &[EffectKey { key: "rotation in [dem]", unit: "", default: "true" }],
+    needs: "",
+    test: "dempfv/tests/dem_conservation.rs",
+};
+
+/// What this effect says of itself.
+pub const GRAVITY: Effect = Effect {
+    name: "gravity",
+    family: Family::Bodies,
+    equation: "dv/dt = f/m + g",
+    source: "",
+    keys: &[EffectKey { key: "gravity in [dem]", unit: "m/s²", default: "none" }],
+    needs: "",
+    test: "dempfv/tests/dem_energy.rs, dempfv/tests/advice.rs",
+};
 
 /// What moves the spheres in a step.
 #[derive(Clone, Copy)]

@@ -77,8 +77,7 @@ mod with_effects;
 
 pub(crate) use contact_forces::ContactForces;
 
-pub use cell::{CellControl, CellControls, EFFECT as CELL_EFFECT, PeriodicCell};
-pub use cell_servo::EFFECT as CELL_SERVO_EFFECT;
+pub use cell::{CellControl, CellControls, PeriodicCell};
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};
 pub use contacts::{Contact, Partner};
 pub use energy::EnergyBalance;
@@ -90,3 +89,25 @@ pub use servo::WallResistance;
 pub use state::{ContactHistory, DemState};
 pub use system::{Dem, DemOptions};
 pub use walls::{Wall, WallControl};
+
+/// What the effects of this room say of themselves.
+pub mod effects {
+    pub use super::cell::EFFECT as PERIODIC_CELL;
+    pub use super::cell_servo::EFFECT as CELL_STRESS;
+    pub use super::damping::EFFECT as LOCAL_DAMPING;
+    pub use super::energy::EFFECT as ENERGY;
+    pub use super::growth::EFFECT as GROWTH;
+    pub use super::integrate::{GRAVITY, ROTATION};
+    pub use super::law::bonds::EFFECT as BONDS;
+    pub use super::law::dmt::EFFECT as DMT;
+    pub use super::law::hertz::EFFECT as HERTZ_MINDLIN;
+    pub use super::law::jkr::EFFECT as JKR;
+    pub use super::law::pull_off::EFFECT as CONSTANT_COHESION;
+    pub use super::law::restitution::EFFECT as RESTITUTION;
+    pub use super::law::rolling::EFFECT as ROLLING;
+    pub use super::law::twisting::EFFECT as TWISTING;
+    pub use super::law::{CONTACTS, FRICTION};
+    pub use super::servo::EFFECT as SERVO_WALLS;
+    pub use super::wall_motion::MOVING_WALLS;
+    pub use super::wall_pairs::WALL_FRICTION;
+}

@@ -46,6 +46,12 @@ pub(super) fn contact_forces<L: ContactLaw>(
     input: Input<'_>,
 ) {
     let bound = Bound { law, table, wall_motion: table.wall_needs() > Needs::Overlap, input };
+    if L::GENERAL_KERNELS {
+        return match input.cell {
+            None => choose_general::<L, false>(list, out, &bound),
+            Some(_) => choose_general::<L, true>(list, out, &bound),
+        };
+    }
     match (input.cell.is_some(), input.material.is_empty()) {
         (false, true) => choose::<L, false, false>(list, out, &bound),
         (false, false) => choose::<L, true, false>(list, out, &bound),
@@ -65,6 +71,18 @@ fn choose<L: ContactLaw, const MATERIALS: bool, const PERIODIC: bool>(
             run::<L, MATERIALS, true, false, PERIODIC>(list, out, bound);
         }
         (Needs::Torques, true) => run::<L, MATERIALS, true, true, PERIODIC>(list, out, bound),
+    }
+}
+
+fn choose_general<L: ContactLaw, const PERIODIC: bool>(
+    list: &mut Neighbours,
+    out: &mut Forces,
+    bound: &Bound<'_, L>,
+) {
+    if bound.table.needs() == Needs::Torques && bound.input.rotation {
+        run::<L, true, true, true, PERIODIC>(list, out, bound);
+    } else {
+        run::<L, true, true, false, PERIODIC>(list, out, bound);
     }
 }
 
@@ -290,7 +308,7 @@ impl PairSpan<'_> {
                 torque,
             };
             let lanes = (&mut wall_batch, &mut scratch);
-            self.wall_sums[block] = if bound.wall_motion {
+            self.wall_sums[block] = if L::GENERAL_KERNELS || bound.wall_motion {
                 walls.evaluate::<L, MATERIALS, MOTION, TORQUES>(law, table, lanes, input)
             } else {
                 walls.evaluate::<L, MATERIALS, false, false>(law, table, lanes, input)

@@ -1,6 +1,7 @@
 //! What the contact pass reads.
 
 use super::cell_pass::CellPass;
+use super::law::ContactLaw;
 use super::walls::Wall;
 use crate::{PerWall, Vec3};
 
@@ -22,4 +23,15 @@ pub(super) struct Input<'a> {
     pub rotation: bool,
     /// Whether the law books what contacts dissipate.
     pub tracks_energy: bool,
+}
+
+/// Index of the material of a body; the list is empty where all are of the first, which only
+/// general kernels meet.
+#[inline(always)]
+pub(super) fn material_of<L: ContactLaw>(material: &[u16], body: u32) -> u16 {
+    if L::GENERAL_KERNELS {
+        material.get(body as usize).copied().unwrap_or(0)
+    } else {
+        material[body as usize]
+    }
 }

@@ -2,7 +2,22 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, WallId};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "servo walls",
+    family: Family::Boundaries,
+    equation: "Δx = (F − σ A) / Σ k_n, all servo walls jointly with the resistance of the fluid; |v| ≤ 10 σ/√(ρ E)",
+    source: "docs/hard-cases.md, rows 15 and 22",
+    keys: &[
+        EffectKey { key: "stress of a wall in a run stage", unit: "Pa", default: "at rest" },
+        EffectKey { key: "max_velocity in [walls]", unit: "m/s", default: "10 σ/√(ρ E)" },
+    ],
+    needs: "",
+    test: "dempfv/tests/hard_servo.rs",
+};
 
 /// Share of the wanted shift that a servo wall leaves out, and share of its
 /// previous shift that it adds: the values of YADE's triaxial controller.

@@ -7,7 +7,7 @@ use super::law::{
     Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, TwoSpheres, get, put,
 };
 use super::parameters::ParameterTable;
-use super::pass_input::Input;
+use super::pass_input::{Input, material_of};
 use super::touch_change::{TouchChange, slip};
 use crate::Vec3;
 
@@ -63,7 +63,7 @@ impl SpherePairRange<'_> {
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
-                let of = |l: usize, k: usize| material[bodies[l][k] as usize];
+                let of = |l: usize, k: usize| material_of::<L>(material, bodies[l][k]);
                 let parameters = |l: usize| table.spheres(of(l, 0), of(l, 1));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
                 if let (true, Some(sum)) = (PERIODIC, &mut self.cell_sum) {

@@ -7,7 +7,23 @@ use super::material::Material;
 use super::servo::shifts;
 use super::system::Dem;
 use super::walls::{Nearest, Wall, WallControl, WallSituation, check_box};
+use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, Vec3, WallId};
+
+/// What this effect says of itself.
+pub const MOVING_WALLS: Effect = Effect {
+    name: "moving walls",
+    family: Family::Boundaries,
+    equation: "dx/dt = v along the normal",
+    source: "",
+    keys: &[EffectKey {
+        key: "velocity of a wall in a run stage",
+        unit: "m/s",
+        default: "at rest",
+    }],
+    needs: "",
+    test: "dempfv/tests/dem_walls.rs",
+};
 
 impl Dem {
     pub(super) fn move_walls(

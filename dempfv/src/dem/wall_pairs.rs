@@ -7,9 +7,21 @@ use super::law::{
 };
 use super::neighbours::WallPair;
 use super::parameters::ParameterTable;
-use super::pass_input::Input;
+use super::pass_input::{Input, material_of};
 use super::touch_change::{TouchChange, slip};
+use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, Vec3, WallId};
+
+/// What this effect says of itself.
+pub const WALL_FRICTION: Effect = Effect {
+    name: "wall friction",
+    family: Family::Boundaries,
+    equation: "as friction, with tan min(φ, φ_w)",
+    source: "P. A. Cundall, O. D. L. Strack: Géotechnique 29 (1979)",
+    keys: &[EffectKey { key: "friction_angle in [walls]", unit: "degrees", default: "0" }],
+    needs: "friction",
+    test: "dempfv/tests/dem_walls.rs",
+};
 
 /// Sums over the contacts on a wall.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,7 +72,7 @@ impl WallPairRange<'_> {
             }
             if MATERIALS {
                 let (bodies, material) = (batch.bodies, input.material);
-                let parameters = |l: usize| table.wall(material[bodies[l][0] as usize]);
+                let parameters = |l: usize| table.wall(material_of::<L>(material, bodies[l][0]));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
                 self.scatter::<L, MOTION, TORQUES>(law, parameters, batch, &mut sums);
             } else {

@@ -15,6 +15,21 @@ use super::{
 };
 use crate::solver::{Backend, Factor, Solver, Symbolic};
 use crate::{Aabb, Vec3};
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const PORE_FLOW: Effect = Effect {
+    name: "pore flow",
+    family: Family::Fluid,
+    equation: "Σ_j g_ij (p_j − p_i) = dV_i/dt, g = A_f (2 R_h)² / (8 μ l)",
+    source: "B. Chareyre et al.: Transp. Porous Media 92 (2012); R. Caulk et al.: Comput. Phys. Commun. 248 (2020)",
+    keys: &[
+        EffectKey { key: "viscosity in [fluid]", unit: "Pa·s", default: "required" },
+        EffectKey { key: "pressure in [fluid]", unit: "Pa", default: "no flow through walls" },
+    ],
+    needs: "the regular triangulation, and a solver",
+    test: "dempfv/tests/pfv_network.rs, dempfv/tests/pfv_flow.rs, make yade-test",
+};
 
 /// First phase: a network and its operators. What only served to make them
 /// is gone.

@@ -7,6 +7,18 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::throat::Throat;
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "conductance clamp",
+    family: Family::Fluid,
+    equation: "g within two factors of a mean conductance",
+    source: "docs/scene.md; YADE clamps by default",
+    keys: &[EffectKey { key: "clamp in [fluid]", unit: "", default: "\"none\"" }],
+    needs: "pore flow",
+    test: "dempfv/tests/pfv_network.rs",
+};
 
 /// Bounds on the conductances, relative to a mean one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,23 @@
 //! The fluid's resistance to motion: `f = -F G⁻¹ E v`.
 
 use super::{Flow, Network, PfvError};
+use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, Vec3, WallId};
+
+/// What this effect says of itself.
+pub const FLUID_FORCES: Effect = Effect {
+    name: "fluid forces on spheres",
+    family: Family::Fluid,
+    equation: "f = F p, the pressure on the solid sectors of facets and the viscous share of throats",
+    source: "B. Chareyre et al.: Transp. Porous Media 92 (2012)",
+    keys: &[EffectKey {
+        key: "fluid in a run stage",
+        unit: "",
+        default: "true where there is [fluid]",
+    }],
+    needs: "pore flow",
+    test: "dempfv/tests/pfv_flow.rs, dempfv/tests/coupling_consolidation.rs",
+};
 
 /// Volume rates and pressures of a motion that is only tried out.
 pub(super) struct DragScratch {

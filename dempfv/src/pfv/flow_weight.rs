@@ -14,7 +14,7 @@ pub const BUOYANCY: Effect = Effect {
     source: "Archimedes; Terzaghi 1943 for the critical gradient",
     keys: &[EffectKey { key: "density in [fluid]", unit: "kg/m³", default: "none: no weight" }],
     needs: "gravity in [dem]",
-    test: "coupling_weight: an_upward_flow_carries_the_bed_at_the_critical_gradient",
+    test: "dempfv/tests/coupling_weight.rs",
 };
 
 impl Flow {

@@ -65,7 +65,6 @@ pub use clamp::{Clamp, UnknownClamp};
 pub use error::{PfvError, PoreVertex, PoreVertices};
 pub use extrapolation::Extrapolation;
 pub use flow::{Flow, Permeability};
-pub use flow_weight::BUOYANCY;
 pub use fluid::Fluid;
 pub use geometry_update::GeometryDegradation;
 pub use network::{Derivatives, Network, Throats};
@@ -77,3 +76,13 @@ pub use sealed::SealedPores;
 pub use tessellation::{NONE, Tessellation};
 pub use transfer::TransferSource;
 pub use viscous::ViscousMode;
+
+/// What the effects of this room say of themselves.
+pub mod effects {
+    pub use super::build::PORE_FLOW;
+    pub use super::clamp::EFFECT as CONDUCTANCE_CLAMP;
+    pub use super::drag::FLUID_FORCES;
+    pub use super::flow_weight::BUOYANCY;
+    pub use super::terms::{COMPRESSIBILITY, SOURCES};
+    pub use super::throat::WALL_SLIP;
+}

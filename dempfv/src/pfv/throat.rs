@@ -13,7 +13,19 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::frame::{Frame, Vertex};
 use super::open_area::{Disc, OpenArea, Point, open_area};
+use crate::{Effect, EffectKey, Family};
 use crate::{Vec3, WallId};
+
+/// What this effect says of itself.
+pub const WALL_SLIP: Effect = Effect {
+    name: "wall slip",
+    family: Family::Fluid,
+    equation: "the walls of a throat count as solid surface only where fluid sticks to them; else R_h 2^(−1/4) on one wall, 4^(−1/4) on two",
+    source: "YADE's FlowEngine, option slipBoundary",
+    keys: &[EffectKey { key: "slip_walls in [fluid]", unit: "", default: "true" }],
+    needs: "pore flow",
+    test: "dempfv/tests/pfv_network.rs, make yade-test",
+};
 
 /// Throats shorter than this share of their width are evaluated at this
 /// length. The pores of a cospherical cluster (any regular lattice has them)

@@ -8,7 +8,9 @@ use super::schema::Schema;
 use super::stage::{Stage, StageKind};
 use super::table::{Bound, Value};
 use super::wrong::Wrong;
-use crate::dem::law::{self, bonds};
+use crate::Effect;
+use crate::dem::effects::BONDS;
+use crate::dem::law;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -79,8 +81,8 @@ impl Bonds {
     pub(super) fn wrong_in(&self, young: f64, stages: &[Stage]) -> Option<Wrong> {
         if self.strength.tension > MOST_TENSION * young {
             let problem = format!(
-                "has a tension of {} Pa for a modulus of {young} Pa: a bond would stretch by a third of a radius \
-                 before it breaks",
+                "has a tension of {} Pa for a modulus of {young} Pa: a bond would stretch by a third of a \
+                 radius before it breaks",
                 self.strength.tension
             );
             return Some(Wrong::new(problem, "give a tenth of `young` in [particles] at most"));
@@ -106,7 +108,7 @@ impl Bonds {
     }
 
     /// Names of the effects of this table.
-    pub(super) fn names(of: Option<&Bonds>, moves: bool) -> [(&'static str, bool); 1] {
-        [(bonds::EFFECT.name, moves && of.is_some())]
+    pub(super) fn described(of: Option<&Bonds>, moves: bool) -> [(&'static Effect, bool); 1] {
+        [(&BONDS, moves && of.is_some())]
     }
 }

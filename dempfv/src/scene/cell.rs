@@ -14,9 +14,6 @@ type Result<T> = std::result::Result<T, InputError>;
 
 pub(super) static SCHEMA: Schema = Schema::table("[cell]", &["size", "edges"]);
 
-/// Name of the effect.
-pub(super) const PERIODIC: &str = crate::dem::CELL_EFFECT.name;
-
 const METRES: Vector = Vector("m");
 const EDGES: &str = "three edges in m, as in [[1.0, 0.0, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]]";
 

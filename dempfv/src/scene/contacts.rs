@@ -7,10 +7,9 @@ use super::kind::{Maybe, Number, OneOf, number};
 use super::schema::Schema;
 use super::table::Bound;
 use super::wrong::Wrong;
-use crate::dem::law::{
-    Adhesion, GranularEffects, Hertz, Resistance, Restitution, dmt, hertz, jkr, pull_off,
-    restitution, rolling, twisting,
-};
+use crate::Effect;
+use crate::dem::effects;
+use crate::dem::law::{Adhesion, GranularEffects, Hertz, Resistance, Restitution};
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -233,16 +232,16 @@ impl Contacts {
     }
 
     /// Names of the effects of this table, where spheres move or not.
-    pub(super) fn names(&self, moves: bool) -> [(&'static str, bool); 7] {
+    pub(super) fn described(&self, moves: bool) -> [(&'static Effect, bool); 7] {
         let on = |effect: bool| moves && effect;
         [
-            (hertz::EFFECT.name, on(self.law == NormalLaw::HertzMindlin)),
-            (restitution::EFFECT.name, on(self.restitution.is_some())),
-            (rolling::EFFECT.name, on(self.rolling.friction.is_some())),
-            (twisting::EFFECT.name, on(self.twisting.friction.is_some())),
-            (pull_off::EFFECT.name, on(self.adhesion == AdhesionModel::Constant)),
-            (dmt::EFFECT.name, on(self.adhesion == AdhesionModel::Dmt)),
-            (jkr::EFFECT.name, on(self.adhesion == AdhesionModel::Jkr)),
+            (&effects::HERTZ_MINDLIN, on(self.law == NormalLaw::HertzMindlin)),
+            (&effects::RESTITUTION, on(self.restitution.is_some())),
+            (&effects::ROLLING, on(self.rolling.friction.is_some())),
+            (&effects::TWISTING, on(self.twisting.friction.is_some())),
+            (&effects::CONSTANT_COHESION, on(self.adhesion == AdhesionModel::Constant)),
+            (&effects::DMT, on(self.adhesion == AdhesionModel::Dmt)),
+            (&effects::JKR, on(self.adhesion == AdhesionModel::Jkr)),
         ]
     }
 }

@@ -7,7 +7,9 @@ use super::kind::{Flag, Kind, Maybe, Number, Vector, number, quoted};
 use super::schema::Schema;
 use super::table::{Bound, Value};
 use super::wrong::Wrong;
+use crate::Effect;
 use crate::dem::DemOptions;
+use crate::dem::effects::{GRAVITY, LOCAL_DAMPING, ROTATION};
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -68,12 +70,12 @@ impl Keyed for Dem {
 impl Dem {
     /// Effects of this table, which are on where they are so in one of the stages that move
     /// spheres: `each` has their settings.
-    pub(super) fn effects(each: &[Dem]) -> [(&'static str, bool); 3] {
+    pub(super) fn effects(each: &[Dem]) -> [(&'static Effect, bool); 3] {
         let any = |holds: fn(&DemOptions) -> bool| each.iter().any(|dem| holds(&dem.options));
         [
-            ("rotation", any(|o| o.rotation)),
-            ("gravity", any(|o| o.gravity.is_some_and(|g| g.norm_squared() > 0.0))),
-            ("local damping", any(|o| o.damping > 0.0)),
+            (&ROTATION, any(|o| o.rotation)),
+            (&GRAVITY, any(|o| o.gravity.is_some_and(|g| g.norm_squared() > 0.0))),
+            (&LOCAL_DAMPING, any(|o| o.damping > 0.0)),
         ]
     }
 }

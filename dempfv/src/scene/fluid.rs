@@ -9,16 +9,21 @@ use super::schema::Schema;
 use super::table::{Bound, Table, Value};
 use super::time_function::InTime;
 use super::wrong::Wrong;
-use crate::TimeFunction;
+use crate::coupling::effects::{
+    BACKGROUND_REMESH, EVERY_STEP, IMPOSED_REGIONS, PARALLEL_TASKS, PRESSURE_IN_TIME,
+};
 use crate::coupling::{
-    Acceleration, FluidEffects, IMPOSED_REGIONS, OnFailure, PRESSURE_ERROR, PRESSURE_IN_TIME,
-    RemeshMode, RemeshRule, Saturation, Swap, Update,
+    Acceleration, FluidEffects, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation,
+    Swap, Update,
 };
 use crate::domain::{PerWall, WallId};
 use crate::input::InputError;
-use crate::pfv::terms::{COMPRESSIBILITY, SOURCES};
-use crate::pfv::{self, BUOYANCY, Boundary, Clamp, SealedPoreRule};
+use crate::pfv::effects::{
+    BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, FLUID_FORCES, PORE_FLOW, SOURCES, WALL_SLIP,
+};
+use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
+use crate::{Effect, TimeFunction};
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -343,21 +348,21 @@ impl Fluid {
     pub(super) fn effects(
         flow: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static str, bool); 12] {
+    ) -> [(&'static Effect, bool); 12] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         [
-            ("pore flow", flow.is_some()),
-            ("fluid forces on spheres", coupled.is_some()),
-            ("wall slip", is(flow, |f| f.fluid.slip_walls)),
-            (COMPRESSIBILITY.name, is(coupled, |f| f.effects.bulk_modulus.is_some())),
-            (BUOYANCY.name, is(coupled, |f| f.effects.density.is_some())),
-            (SOURCES.name, is(coupled, |f| !f.effects.sources.is_empty())),
-            (IMPOSED_REGIONS.name, is(coupled, |f| !f.effects.imposed.is_empty())),
-            (PRESSURE_IN_TIME.name, is(coupled, Fluid::changes_pressures)),
-            ("conductance clamp", is(flow, |f| f.fluid.clamp != Clamp::None)),
-            ("background remesh", is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
-            ("network at every step", is(coupled, |f| f.acceleration.update == Update::EveryStep)),
-            ("parallel tasks", is(coupled, |f| f.acceleration.parallel_tasks)),
+            (&PORE_FLOW, flow.is_some()),
+            (&FLUID_FORCES, coupled.is_some()),
+            (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls)),
+            (&COMPRESSIBILITY, is(coupled, |f| f.effects.bulk_modulus.is_some())),
+            (&BUOYANCY, is(coupled, |f| f.effects.density.is_some())),
+            (&SOURCES, is(coupled, |f| !f.effects.sources.is_empty())),
+            (&IMPOSED_REGIONS, is(coupled, |f| !f.effects.imposed.is_empty())),
+            (&PRESSURE_IN_TIME, is(coupled, Fluid::changes_pressures)),
+            (&CONDUCTANCE_CLAMP, is(flow, |f| f.fluid.clamp != Clamp::None)),
+            (&BACKGROUND_REMESH, is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
+            (&EVERY_STEP, is(coupled, |f| f.acceleration.update == Update::EveryStep)),
+            (&PARALLEL_TASKS, is(coupled, |f| f.acceleration.parallel_tasks)),
         ]
     }
 }

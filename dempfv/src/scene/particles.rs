@@ -10,7 +10,9 @@ use super::schema::Schema;
 use super::sizes::Cloud;
 use super::table::{Bound, Table, Value};
 use super::wrong::Wrong;
+use crate::Effect;
 use crate::dem::Material;
+use crate::dem::effects::{CONTACTS, FRICTION};
 use crate::domain::Aabb;
 use crate::input::InputError;
 
@@ -101,8 +103,8 @@ impl Particles {
     }
 
     /// Effects of this table, where spheres move or not.
-    pub(super) fn effects(&self, contacts: bool) -> [(&'static str, bool); 2] {
-        [("contacts", contacts), ("friction", contacts && self.has_friction())]
+    pub(super) fn effects(&self, contacts: bool) -> [(&'static Effect, bool); 2] {
+        [(&CONTACTS, contacts), (&FRICTION, contacts && self.has_friction())]
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::bonds::Bonds;
-use super::cell::{CellShape, PERIODIC};
+use super::cell::CellShape;
 use super::contacts::Contacts;
 use super::dem::Dem;
 use super::fluid::Fluid;
@@ -18,7 +18,9 @@ use super::sizes::Cloud;
 use super::stage::{self, Stage, StageKind};
 use super::walls::Walls;
 use super::wrong::Wrong;
+use crate::Effect;
 use crate::dem::DemError;
+use crate::dem::effects::{ENERGY, PERIODIC_CELL};
 use crate::dem::law::{Granular, GranularEffects};
 use crate::domain::{Aabb, Vec3};
 use crate::input::InputError;
@@ -328,9 +330,9 @@ impl Plan {
         })
     }
 
-    /// Every effect the program knows, and whether this plan simulates it: those of each
+    /// Every effect that the program knows, and whether this plan simulates it: those of each
     /// table.
-    fn effects(&self) -> Vec<(&'static str, bool)> {
+    pub fn effects(&self) -> Vec<(&'static Effect, bool)> {
         let moving: Vec<Dem> = self.stages.iter().filter_map(|s| self.mechanics(s)).collect();
         let contacts = !moving.is_empty();
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
@@ -340,12 +342,13 @@ impl Plan {
         let mut effects = Vec::new();
         effects.extend(self.particles.effects(contacts));
         effects.extend(self.walls.effects(contacts && self.particles.has_friction()));
-        effects.extend(self.contacts.names(contacts));
-        effects.extend(Bonds::names(self.bonds.as_ref(), contacts));
+        effects.extend(self.contacts.described(contacts));
+        effects.extend(Bonds::described(self.bonds.as_ref(), contacts));
         effects.extend(Dem::effects(&moving));
-        effects.push((PERIODIC, contacts && self.cell.is_some()));
+        effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
         effects.extend(Fluid::effects(flow, coupled));
+        effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }
 
@@ -365,7 +368,9 @@ impl Plan {
     ///     time = 0.5";
     /// let plan = dempfv::scene::Plan::from_toml(scene, None).unwrap();
     /// let on = plan.effects_on();
-    /// assert_eq!(on, ["contacts", "friction", "rotation", "gravity", "local damping"]);
+    /// assert_eq!(on, [
+    ///     "contacts", "friction", "rotation", "gravity", "local damping", "energy by cause"
+    /// ]);
     /// assert!(plan.effects_off().contains(&"pore flow"));
     /// ```
     pub fn effects_on(&self) -> Vec<&'static str> {
@@ -379,6 +384,6 @@ impl Plan {
 
     fn effects_that_are(&self, simulated: bool) -> Vec<&'static str> {
         let effects = self.effects();
-        effects.iter().filter(|(_, on)| *on == simulated).map(|(name, _)| *name).collect()
+        effects.iter().filter(|(_, on)| *on == simulated).map(|(effect, _)| effect.name).collect()
     }
 }

@@ -6,7 +6,9 @@ use super::keys::{Keyed, Keys};
 use super::kind::{Angle, Maybe, Number, number};
 use super::schema::Schema;
 use super::table::Bound;
+use crate::Effect;
 use crate::dem::WallMaterial;
+use crate::dem::effects::WALL_FRICTION;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -57,7 +59,7 @@ impl Walls {
     }
 
     /// Effects of this table, where spheres with friction move or not.
-    pub(super) fn effects(&self, friction: bool) -> [(&'static str, bool); 1] {
-        [("wall friction", friction && self.material.friction_angle > 0.0)]
+    pub(super) fn effects(&self, friction: bool) -> [(&'static Effect, bool); 1] {
+        [(&WALL_FRICTION, friction && self.material.friction_angle > 0.0)]
     }
 }

@@ -174,8 +174,13 @@ fn power(value: f64) -> String {
     minus(format!("{factor}10^{{{k}}}"))
 }
 
+/// Decimals beyond which no digit of a double is left.
+const MOST_DECIMALS: usize = 340;
+
 /// A number with a true minus sign and a fixed number of decimals.
 pub fn number(value: f64, digits: usize) -> String {
+    // The formatter refuses more than 65,535.
+    let digits = digits.min(MOST_DECIMALS);
     minus(format!("{:.digits$}", value + 0.0))
 }
 

@@ -16,10 +16,10 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "brittle bonds",
     family: Family::Contacts,
-    equation: "F_n = k_n (δ − δ_0) ≥ −σ_t A, |F_s| ≤ c A + F_n tan φ, A = π min(r₁, r₂)²; beyond, the bond is broken \
-               for ever and friction is left, without force at an overlap of max(δ_0, 0)",
-    source: "L. Scholtès, F.-V. Donzé: J. Mech. Phys. Solids 61 (2013); D. O. Potyondy, P. A. Cundall: Int. J. Rock \
-             Mech. Min. Sci. 41 (2004)",
+    equation: "F_n = k_n (δ − δ_0) ≥ −σ_t A, |F_s| ≤ c A + F_n tan φ, A = π min(r₁, r₂)²; beyond, the bond is \
+               broken for ever and friction is left, without force at an overlap of max(δ_0, 0)",
+    source: "L. Scholtès, F.-V. Donzé: J. Mech. Phys. Solids 61 (2013); D. O. Potyondy, P. A. Cundall: Int. J. \
+             Rock Mech. Min. Sci. 41 (2004)",
     keys: &[
         EffectKey { key: "tension in [bonds]", unit: "Pa", default: "required" },
         EffectKey { key: "cohesion in [bonds]", unit: "Pa", default: "required" },
@@ -27,7 +27,7 @@ pub const EFFECT: Effect = Effect {
         EffectKey { key: "from in [bonds]", unit: "", default: "the first stage" },
     ],
     needs: "",
-    test: "cargo test -p dempfv --test dem_bonds",
+    test: "dempfv/tests/dem_bonds.rs",
 };
 
 /// Strength of the bonds that [`Dem::bond`](crate::dem::Dem::bond) makes.

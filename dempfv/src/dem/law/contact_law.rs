@@ -64,6 +64,11 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
     /// kernel of one loop. Holds leftovers when a kernel begins.
     type Scratch: Default;
 
+    /// Whether only the most general kernels are compiled: for several materials, with velocities.
+    /// For a law of many loops, beside which what that costs is little and the time to compile it
+    /// is much.
+    const GENERAL_KERNELS: bool = false;
+
     /// The law's name. A checkpoint keeps it, so that no other law takes up
     /// its histories.
     fn name(&self) -> &'static str;

@@ -9,15 +9,15 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "DMT adhesion",
     family: Family::Contacts,
-    equation: "F_n = F_Hertz − 2π w R* while the surfaces touch, w the work of adhesion per area (twice the surface \
-               energy of equal solids); friction and rolling resistance go with F_Hertz",
+    equation: "F_n = F_Hertz − 2π w R* while the surfaces touch, w the work of adhesion per area (twice the \
+               surface energy of equal solids); friction and rolling resistance go with F_Hertz",
     source: "B. V. Derjaguin, V. M. Muller, Y. P. Toporov: J. Colloid Interface Sci. 53 (1975)",
     keys: &[
         EffectKey { key: "adhesion in [contacts]", unit: "", default: "\"none\"" },
         EffectKey { key: "work_of_adhesion in [contacts]", unit: "J/m²", default: "required" },
     ],
     needs: "Hertz-Mindlin contacts",
-    test: "cargo test -p dempfv --test dem_adhesion",
+    test: "dempfv/tests/dem_adhesion.rs",
 };
 
 /// The pull-off force (N) of a work of adhesion (J/m²).

@@ -154,6 +154,7 @@ impl ContactLaw for Granular {
     type History = Memory;
     type Parameters = GranularParameters;
     type Scratch = Terms;
+    const GENERAL_KERNELS: bool = true;
 
     fn name(&self) -> &'static str {
         self.effects.name()

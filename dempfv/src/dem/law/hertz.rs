@@ -14,17 +14,17 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "Hertz-Mindlin contacts",
     family: Family::Contacts,
-    equation: "F_n = 4/3 E* √R* δ^(3/2); dF_s = 8 G* √(R* δ) ds, F_s smaller with the contact radius on unloading, \
-               |F_s| ≤ μ F_n",
-    source: "K. L. Johnson: Contact Mechanics (1985), ch. 4 and 7; shear on unloading: C. Thornton, S. J. Cummins, \
-             P. W. Cleary: Powder Technology 233 (2013)",
+    equation: "F_n = 4/3 E* √R* δ^(3/2); dF_s = 8 G* √(R* δ) ds, F_s smaller with the contact radius on \
+               unloading, |F_s| ≤ μ F_n",
+    source: "K. L. Johnson: Contact Mechanics (1985), ch. 4 and 7; shear on unloading: C. Thornton, S. J. \
+             Cummins, P. W. Cleary: Powder Technology 233 (2013)",
     keys: &[
         EffectKey { key: "law in [contacts]", unit: "", default: "\"linear\"" },
         EffectKey { key: "poisson_ratio in [contacts]", unit: "", default: "0.25" },
         EffectKey { key: "wall_poisson_ratio in [contacts]", unit: "", default: "the spheres'" },
     ],
     needs: "",
-    test: "cargo test -p dempfv --test dem_hertz",
+    test: "dempfv/tests/dem_hertz.rs",
 };
 
 /// Poisson's ratios: with them a modulus of a material is Young's.

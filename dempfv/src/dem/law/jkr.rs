@@ -12,16 +12,16 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "JKR adhesion",
     family: Family::Contacts,
-    equation: "F_n = 4E*a³/3R* − √(8π w E* a³), δ = a²/R* − √(2π w a/E*), w the work of adhesion per area; begins at \
-               δ = 0, ends where dδ/da = 0; friction and rolling resistance go with F_n + 3π w R*",
-    source: "K. L. Johnson, K. Kendall, A. D. Roberts: Proc. R. Soc. A 324 (1971); friction: C. Thornton, J. Phys. D \
-             24 (1991)",
+    equation: "F_n = 4E*a³/3R* − √(8π w E* a³), δ = a²/R* − √(2π w a/E*), w the work of adhesion per area; \
+               begins at δ = 0, ends where dδ/da = 0; friction and rolling resistance go with F_n + 3π w R*",
+    source: "K. L. Johnson, K. Kendall, A. D. Roberts: Proc. R. Soc. A 324 (1971); friction: C. Thornton, J. \
+             Phys. D 24 (1991)",
     keys: &[
         EffectKey { key: "adhesion in [contacts]", unit: "", default: "\"none\"" },
         EffectKey { key: "work_of_adhesion in [contacts]", unit: "J/m²", default: "required" },
     ],
     needs: "Hertz-Mindlin contacts",
-    test: "cargo test -p dempfv --test dem_adhesion",
+    test: "dempfv/tests/dem_adhesion.rs",
 };
 
 /// With a = a₀ s² and a₀³ = 9π w R*²/2E*: δ = a₀²/R* (s⁴ − 2s/3), which is least at s³ = 1/6, and

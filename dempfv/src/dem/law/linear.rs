@@ -8,6 +8,40 @@ use super::turn::turn;
 use super::vector::{Vector, add_scaled, cross, dot, scaled};
 use crate::Vec3;
 use crate::dem::material::{Material, WallMaterial};
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const CONTACTS: Effect = Effect {
+    name: "contacts",
+    family: Family::Contacts,
+    equation: "F_n = k_n δ, k_n = 2 E r₁ r₂ / (r₁ + r₂) between spheres, 2 E E_w / (E + E_w) r on a wall",
+    source: "P. A. Cundall, O. D. L. Strack: Géotechnique 29 (1979)",
+    keys: &[
+        EffectKey { key: "young in [particles]", unit: "Pa", default: "1e6" },
+        EffectKey { key: "young in [walls]", unit: "Pa", default: "the spheres'" },
+    ],
+    needs: "",
+    test: "dempfv/tests/dem_conservation.rs",
+};
+
+/// What this effect says of itself.
+pub const FRICTION: Effect = Effect {
+    name: "friction",
+    family: Family::Contacts,
+    equation: "dF_s = −k_s ds, k_s = (k_s/k_n) k_n, |F_s| ≤ F_n tan φ; F_s turns with the contact",
+    source: "P. A. Cundall, O. D. L. Strack: Géotechnique 29 (1979)",
+    keys: &[
+        EffectKey { key: "friction_angle in [particles]", unit: "degrees", default: "30" },
+        EffectKey { key: "stiffness_ratio in [particles]", unit: "", default: "0.5" },
+        EffectKey {
+            key: "friction_angle in a run stage",
+            unit: "degrees",
+            default: "the spheres'",
+        },
+    ],
+    needs: "rotation, unless it is switched off",
+    test: "dempfv/tests/dem_conservation.rs, dempfv/tests/dem_energy.rs",
+};
 
 /// Linear springs with Coulomb's friction: F_n = k_n δ along the normal, and
 /// across it a force that grows by k_s times the slip, turns with the

@@ -37,7 +37,7 @@ pub use geometry::{
 };
 pub use granular::Granular;
 pub use hertz::Hertz;
-pub use linear::{Linear, LinearParameters, LinearScratch};
+pub use linear::{CONTACTS, FRICTION, Linear, LinearParameters, LinearScratch};
 pub use loss::{Loss, Losses};
 pub use resistance::Resistance;
 pub use restitution::Restitution;

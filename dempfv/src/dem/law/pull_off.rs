@@ -9,14 +9,15 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "constant cohesion",
     family: Family::Contacts,
-    equation: "F_n = F_contact − F_0 while the surfaces touch; friction and rolling resistance go with F_n + F_0",
+    equation: "F_n = F_contact − F_0 while the surfaces touch; friction and rolling resistance go \
+               with F_n + F_0",
     source: "S. Luding: Granular Matter 10 (2008)",
     keys: &[
         EffectKey { key: "adhesion in [contacts]", unit: "", default: "\"none\"" },
         EffectKey { key: "pull_off_force in [contacts]", unit: "N", default: "required" },
     ],
     needs: "",
-    test: "cargo test -p dempfv --test dem_adhesion",
+    test: "dempfv/tests/dem_adhesion.rs",
 };
 
 /// The pull of a batch (N).

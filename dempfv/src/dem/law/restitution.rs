@@ -14,16 +14,17 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "viscous contact damping",
     family: Family::Contacts,
-    equation: "F_d = 2 s ζ √(m* k) v along the normal and across it, s = 1 for linear springs and √(5/6) with Hertz, \
-               k the tangent stiffness; ζ from e = exp(−2 ζ acos ζ / √(1 − ζ²)); spring and dashpot never pull",
-    source: "linear: T. Schwager, T. Pöschel: Granular Matter 9 (2007); Hertz: Y. Tsuji et al.: Powder Technology 71 \
-             (1992), D. Antypov, J. A. Elliott: EPL 94 (2011)",
+    equation: "F_d = 2 s ζ √(m* k) v along the normal and across it, s = 1 for linear springs and √(5/6) with \
+               Hertz, k the tangent stiffness; ζ from e = exp(−2 ζ acos ζ / √(1 − ζ²)); spring and dashpot never \
+               pull",
+    source: "linear: T. Schwager, T. Pöschel: Granular Matter 9 (2007); Hertz: Y. Tsuji et al.: Powder \
+             Technology 71 (1992), D. Antypov, J. A. Elliott: EPL 94 (2011)",
     keys: &[
         EffectKey { key: "restitution in [contacts]", unit: "", default: "none" },
         EffectKey { key: "wall_restitution in [contacts]", unit: "", default: "the spheres'" },
     ],
     needs: "",
-    test: "cargo test -p dempfv --test dem_restitution",
+    test: "dempfv/tests/dem_restitution.rs",
 };
 
 /// Speed after a head-on collision over the speed before, whatever that is.

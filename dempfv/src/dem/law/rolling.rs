@@ -13,16 +13,17 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "rolling resistance",
     family: Family::Contacts,
-    equation: "M = R* n × F_r; dF_r = −k_r v_r dt, v_r = R* (ω₁ − ω₂) × n; F_r and F_r − c_r v_r are cut at μ_r F_n",
-    source: "S. Luding: Granular Matter 10 (2008); Y. Wang et al.: Acta Geotechnica 10 (2015); the spring, dashpot and \
-             slider of K. Iwashita, M. Oda: J. Eng. Mech. 124 (1998)",
+    equation: "M = R* n × F_r; dF_r = −k_r v_r dt, v_r = R* (ω₁ − ω₂) × n; F_r and F_r − c_r v_r are \
+               cut at μ_r F_n",
+    source: "S. Luding: Granular Matter 10 (2008); Y. Wang et al.: Acta Geotechnica 10 (2015); the spring, \
+             dashpot and slider of K. Iwashita, M. Oda: J. Eng. Mech. 124 (1998)",
     keys: &[
         EffectKey { key: "rolling_friction in [contacts]", unit: "", default: "none" },
         EffectKey { key: "rolling_stiffness_ratio in [contacts]", unit: "", default: "0.5" },
         EffectKey { key: "rolling_damping_ratio in [contacts]", unit: "", default: "0.3" },
     ],
     needs: "rotation",
-    test: "cargo test -p dempfv --test dem_rolling",
+    test: "dempfv/tests/dem_rolling.rs",
 };
 
 /// Velocity at which the two surfaces roll over each other (m/s): R* (ω₁ − ω₂) × n.

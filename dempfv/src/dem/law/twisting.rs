@@ -12,7 +12,8 @@ use crate::effect::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "twisting resistance",
     family: Family::Contacts,
-    equation: "M = R* F_t n; dF_t = −k_t v_t dt, v_t = R* (ω₁ − ω₂)·n; F_t and F_t − c_t v_t are cut at μ_t F_n",
+    equation: "M = R* F_t n; dF_t = −k_t v_t dt, v_t = R* (ω₁ − ω₂)·n; F_t and F_t − c_t v_t are cut \
+               at μ_t F_n",
     source: "S. Luding: Granular Matter 10 (2008); Y. Wang et al.: Acta Geotechnica 10 (2015)",
     keys: &[
         EffectKey { key: "twisting_friction in [contacts]", unit: "", default: "none" },
@@ -20,7 +21,7 @@ pub const EFFECT: Effect = Effect {
         EffectKey { key: "twisting_damping_ratio in [contacts]", unit: "", default: "0.3" },
     ],
     needs: "rotation",
-    test: "cargo test -p dempfv --test dem_rolling",
+    test: "dempfv/tests/dem_rolling.rs",
 };
 
 /// Velocity at which the two surfaces twist on the arm R* (m/s), and the dashpot's force (N).

@@ -16,7 +16,7 @@ pub const EFFECT: Effect = Effect {
         default: "none: incompressible",
     }],
     needs: "the pores' void volumes; another factorization where the time step changes",
-    test: "pfv_compressible: undrained_loading_follows_skempton",
+    test: "dempfv/tests/pfv_compressible.rs",
 };
 
 /// The compressibility of a fluid. Its density is ρ₀ (1 + p/K_f): linear in the pressure, so that

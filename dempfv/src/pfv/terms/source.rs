@@ -16,7 +16,7 @@ pub const EFFECT: Effect = Effect {
     source: "Caulk et al. 2020, eq. 6",
     keys: &[EffectKey { key: "sources in [fluid]", unit: "m³/s", default: "none" }],
     needs: "",
-    test: "pfv_sources: what_enters_leaves_through_the_open_wall",
+    test: "dempfv/tests/pfv_sources.rs",
 };
 
 /// A rate at which fluid enters pores of choice, as from the tip of an injection tube.

@@ -26,9 +26,6 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
     ],
 );
 
-/// Name of its effect.
-pub(super) const GROWTH: &str = "growth of radii";
-
 /// All radii grow in the fixed box until the walls feel an isotropic stress; dry.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compact {

@@ -23,6 +23,8 @@ use super::schema::Schema;
 use super::table::{Table, Value};
 use super::walls::Walls;
 use super::wrong::Wrong;
+use crate::Effect;
+use crate::dem::effects::{CELL_STRESS, GROWTH, MOVING_WALLS, SERVO_WALLS};
 use crate::domain::Axis;
 use crate::excerpt::excerpt;
 use crate::input::InputError;
@@ -289,13 +291,13 @@ fn measured(axis: Axis, stages: &[Stage]) -> consolidate::Measured {
 }
 
 /// Effects of the stages.
-pub(super) fn effects(stages: &[Stage]) -> [(&'static str, bool); 4] {
+pub(super) fn effects(stages: &[Stage]) -> [(&'static Effect, bool); 4] {
     let any = |holds: fn(&StageKind) -> bool| stages.iter().any(|s| holds(&s.kind));
     [
-        (compact::GROWTH, any(|k| matches!(k, StageKind::Compact(_)))),
-        (run::MOVING_WALLS, any(StageKind::has_moving_wall)),
-        ("servo walls", any(StageKind::has_servo)),
-        (crate::dem::CELL_SERVO_EFFECT.name, any(StageKind::has_cell_stress)),
+        (&GROWTH, any(|k| matches!(k, StageKind::Compact(_)))),
+        (&MOVING_WALLS, any(StageKind::has_moving_wall)),
+        (&SERVO_WALLS, any(StageKind::has_servo)),
+        (&CELL_STRESS, any(StageKind::has_cell_stress)),
     ]
 }
 

@@ -39,9 +39,6 @@ pub(in crate::scene) static WALLS: Schema = Schema::by_wall("`walls`");
 pub(in crate::scene) static CONTROL: Schema =
     Schema::table("a wall's control", &["stress", "max_velocity", "velocity"]);
 
-/// Name of the effect of a wall with a given velocity.
-pub(super) const MOVING_WALLS: &str = "moving walls";
-
 /// A number of steps under given wall motions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Run {
