@@ -2,7 +2,7 @@
 
 use dempfv::dem::law::{Adhesion, Hertz, Resistance, Restitution};
 use dempfv::scene::Plan;
-use dempfv::simulation::{Simulation, SimulationState};
+use dempfv::simulation::{Estimate, Simulation, SimulationState, Specimen};
 
 /// A scene with these tables, and two stages of 60 steps.
 fn scene(tables: &str) -> String {
@@ -165,4 +165,18 @@ fn bonds_are_made_at_their_stage() {
     println!("{made} made, {broken} broken");
     assert_eq!(intact + broken, made);
     assert!(broken > 0 && intact > 0, "{intact} {broken}");
+}
+
+/// A servo does not reckon with dashpots, and `check` says so where they are strong.
+#[test]
+fn servos_on_dashpots_are_told() {
+    let warnings = |tables: &str, wall: &str| {
+        let text = scene(&format!("{tables}\n{DEM}")).replace("velocity = -0.3", wall);
+        let plan = Plan::from_toml(&text, None).unwrap();
+        Estimate::of(&plan, &Specimen::default()).unwrap().warnings()
+    };
+    let told = warnings("[contacts]\nrestitution = 0.5", "stress = 1e3");
+    assert!(told.len() == 2 && told[0].starts_with("stage \"first\": a wall under a stress"));
+    assert!(warnings("[contacts]\nrestitution = 0.95", "stress = 1e3").is_empty());
+    assert!(warnings("[contacts]\nrestitution = 0.5", "velocity = -0.3").is_empty());
 }
