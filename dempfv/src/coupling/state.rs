@@ -88,9 +88,11 @@ impl CoupledState {
             .iter_mut()
             .map(|material| density / std::mem::replace(&mut material.density, density))
             .collect();
+        // Lists of different lengths are refused where the state is taken up.
         let particles = &mut self.dem.particles;
-        for i in 0..particles.len() {
-            particles.mass[i] *= factors[usize::from(particles.material_of(i))];
+        for (i, mass) in particles.mass.iter_mut().enumerate() {
+            let material = particles.material.get(i).copied().unwrap_or(0);
+            *mass *= factors.get(usize::from(material)).copied().unwrap_or(1.0);
         }
     }
 

@@ -138,7 +138,7 @@ impl State {
             self.steps += 1;
             let over = self.is_over(context)?;
             self.servos.look(context, self.progress(context.clock));
-            let share = self.samples.len() as u64 - self.ahead;
+            let share = (self.samples.len() as u64).saturating_sub(self.ahead);
             if over || self.progress(context.clock) * SAMPLES >= share as f64 {
                 self.samples.push(self.sample(context));
             }
