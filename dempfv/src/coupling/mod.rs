@@ -48,7 +48,7 @@ pub use time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};
 
 /// What the effects of this room say of themselves.
 pub mod effects {
-    pub use super::background::EFFECT as BACKGROUND_REMESH;
-    pub use super::fluid_effects::{IMPOSED_REGIONS, PRESSURE_IN_TIME};
-    pub use super::options::{EVERY_STEP, PARALLEL_TASKS};
+    pub use crate::coupling::background::EFFECT as BACKGROUND_REMESH;
+    pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, PRESSURE_IN_TIME};
+    pub use crate::coupling::options::{EVERY_STEP, PARALLEL_TASKS};
 }

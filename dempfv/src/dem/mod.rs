@@ -92,22 +92,22 @@ pub use walls::{Wall, WallControl};
 
 /// What the effects of this room say of themselves.
 pub mod effects {
-    pub use super::cell::EFFECT as PERIODIC_CELL;
-    pub use super::cell_servo::EFFECT as CELL_STRESS;
-    pub use super::damping::EFFECT as LOCAL_DAMPING;
-    pub use super::energy::EFFECT as ENERGY;
-    pub use super::growth::EFFECT as GROWTH;
-    pub use super::integrate::{GRAVITY, ROTATION};
-    pub use super::law::bonds::EFFECT as BONDS;
-    pub use super::law::dmt::EFFECT as DMT;
-    pub use super::law::hertz::EFFECT as HERTZ_MINDLIN;
-    pub use super::law::jkr::EFFECT as JKR;
-    pub use super::law::pull_off::EFFECT as CONSTANT_COHESION;
-    pub use super::law::restitution::EFFECT as RESTITUTION;
-    pub use super::law::rolling::EFFECT as ROLLING;
-    pub use super::law::twisting::EFFECT as TWISTING;
-    pub use super::law::{CONTACTS, FRICTION};
-    pub use super::servo::EFFECT as SERVO_WALLS;
-    pub use super::wall_motion::MOVING_WALLS;
-    pub use super::wall_pairs::WALL_FRICTION;
+    pub use crate::dem::cell::EFFECT as PERIODIC_CELL;
+    pub use crate::dem::cell_servo::EFFECT as CELL_STRESS;
+    pub use crate::dem::damping::EFFECT as LOCAL_DAMPING;
+    pub use crate::dem::energy::EFFECT as ENERGY;
+    pub use crate::dem::growth::EFFECT as GROWTH;
+    pub use crate::dem::integrate::{GRAVITY, ROTATION};
+    pub use crate::dem::law::bonds::EFFECT as BONDS;
+    pub use crate::dem::law::dmt::EFFECT as DMT;
+    pub use crate::dem::law::hertz::EFFECT as HERTZ_MINDLIN;
+    pub use crate::dem::law::jkr::EFFECT as JKR;
+    pub use crate::dem::law::pull_off::EFFECT as CONSTANT_COHESION;
+    pub use crate::dem::law::restitution::EFFECT as RESTITUTION;
+    pub use crate::dem::law::rolling::EFFECT as ROLLING;
+    pub use crate::dem::law::twisting::EFFECT as TWISTING;
+    pub use crate::dem::law::{CONTACTS, FRICTION};
+    pub use crate::dem::servo::EFFECT as SERVO_WALLS;
+    pub use crate::dem::wall_motion::MOVING_WALLS;
+    pub use crate::dem::wall_pairs::WALL_FRICTION;
 }

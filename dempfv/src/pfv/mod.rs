@@ -79,10 +79,10 @@ pub use viscous::ViscousMode;
 
 /// What the effects of this room say of themselves.
 pub mod effects {
-    pub use super::build::PORE_FLOW;
-    pub use super::clamp::EFFECT as CONDUCTANCE_CLAMP;
-    pub use super::drag::FLUID_FORCES;
-    pub use super::flow_weight::BUOYANCY;
-    pub use super::terms::{COMPRESSIBILITY, SOURCES};
-    pub use super::throat::WALL_SLIP;
+    pub use crate::pfv::build::PORE_FLOW;
+    pub use crate::pfv::clamp::EFFECT as CONDUCTANCE_CLAMP;
+    pub use crate::pfv::drag::FLUID_FORCES;
+    pub use crate::pfv::flow_weight::BUOYANCY;
+    pub use crate::pfv::terms::{COMPRESSIBILITY, SOURCES};
+    pub use crate::pfv::throat::WALL_SLIP;
 }
