@@ -129,3 +129,21 @@ fn rate_of_loading() {
         holds(&said, verdict, (lid(&fast) / lid(&slow) - 1.0).abs());
     }
 }
+
+/// Where the stiffness of the packing is not that of linear springs nothing is said that needs it.
+#[test]
+fn nothing_is_said_that_is_not_known() {
+    let stage = "steps = 10\nwalls = { y_max = { stress = 1000 } }";
+    let tables = "[dem]\n[fluid]\nviscosity = 1e-3\npressure = { y_max = 0 }";
+    let effects = |tables: &str| {
+        let plan = scene(2600.0, tables, stage);
+        let (packing, bounds) = packing();
+        let specimen = Specimen::of_radii(&packing.radius).in_box(&packing.radius, &bounds, &plan);
+        let estimate = Estimate::of(&plan, &specimen).unwrap();
+        let all = Advice::of(&plan, &specimen, &estimate, &bounds);
+        all.into_iter().map(|advice| advice.effect).collect::<Vec<_>>()
+    };
+    assert_eq!(effects(tables), ["gravity", "pore flow", "fluid compressibility"]);
+    let hertz = format!("[contacts]\nlaw = \"hertz-mindlin\"\n{tables}");
+    assert_eq!(effects(&hertz), ["gravity"]);
+}

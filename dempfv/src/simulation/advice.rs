@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::estimate::{Estimate, Specimen};
 use crate::dem::WallControl;
 use crate::domain::{Aabb, Axis, WallId};
-use crate::scene::{Plan, Run, Stage, StageKind, TimeStep, Until};
+use crate::scene::{NormalLaw, Plan, Run, Stage, StageKind, TimeStep, Until};
 use crate::theory::kozeny_carman;
 
 /// An effect that changes less than this can be left out.
@@ -69,7 +69,7 @@ impl fmt::Display for Advice {
         f.write_str(match verdict {
             Verdict::LeaveOut => "leave it out",
             Verdict::Needed => "you need it",
-            Verdict::Beware => "it is not simulated; change the scene",
+            Verdict::Beware => "no key takes it away; change the scene",
         })
     }
 }
@@ -85,11 +85,12 @@ struct Scene<'a> {
 
 impl Advice {
     /// What can be said about the stages of a plan in this box, for spheres of which `specimen`
-    /// tells the size. Empty where that is not known.
+    /// tells the size. Empty where that is not known, and in a periodic cell, which has no walls,
+    /// gravity or fluid; of linear contacts alone where the stiffness of the packing counts.
     pub fn of(plan: &Plan, specimen: &Specimen, estimate: &Estimate, bounds: &Aabb) -> Vec<Advice> {
         let Specimen { diameter, porosity, .. } = *specimen;
         let known = diameter > 0.0 && porosity > 0.0 && porosity < 1.0;
-        if plan.validate().is_err() || !known {
+        if plan.validate().is_err() || plan.cell.is_some() || !known {
             return vec![];
         }
         let scene = Scene { plan, bounds: *bounds, diameter, porosity };
@@ -122,11 +123,15 @@ impl Advice {
 impl Scene<'_> {
     /// Oedometric modulus of the packing (Pa), by the mean field of linear contacts (Walton 1987):
     /// M = (1 − n) Z E (3 + 2 k_s/k_n) / 10π.
-    fn modulus(&self) -> f64 {
+    /// `None` where it goes with the stress, as with Hertz's contacts.
+    fn modulus(&self) -> Option<f64> {
+        if self.plan.contacts.law != NormalLaw::Linear {
+            return None;
+        }
         let material = &self.plan.particles.material;
         let density =
             (1.0 - self.porosity) * COORDINATION * material.young * SOFTER_THAN_MEAN_FIELD;
-        density * (3.0 + 2.0 * material.stiffness_ratio) / (10.0 * std::f64::consts::PI)
+        Some(density * (3.0 + 2.0 * material.stiffness_ratio) / (10.0 * std::f64::consts::PI))
     }
 
     /// Permeability (m²) by Kozeny and Carman.
@@ -164,7 +169,7 @@ impl Scene<'_> {
         let density = self.plan.particles.material.density;
         let value = rate * self.diameter * (density / stress.filter(|&s| s > 0.0)?).sqrt();
         let bed = (1.0 - self.porosity) * density;
-        let shock = (bed * self.modulus()).sqrt() * rate * self.bounds.size().max();
+        let shock = (bed * self.modulus()?).sqrt() * rate * self.bounds.size().max();
         let change = (FRICTION_PER_INERTIA * value).max(shock / stress?);
         let verdict = if change < NEGLIGIBLE { Verdict::LeaveOut } else { Verdict::Beware };
         Some(Advice {
@@ -193,7 +198,7 @@ impl Scene<'_> {
             }
         });
         let path = paths.fold(f64::INFINITY, f64::min);
-        let modulus = self.modulus();
+        let modulus = self.modulus()?;
         let value = self.permeability() * modulus / fluid.fluid.viscosity * time / path.powi(2);
         let change = (0.5 / value).min(1.0);
         Some(Advice {
@@ -212,7 +217,7 @@ impl Scene<'_> {
     fn compressibility(&self, stage: &Stage) -> Option<Advice> {
         let fluid = self.plan.fluid.as_ref()?;
         let modulus = fluid.effects.bulk_modulus.unwrap_or(WATER_MODULUS);
-        let skeleton = self.modulus();
+        let skeleton = self.modulus()?;
         let value = self.porosity * skeleton / modulus;
         let change = value / (1.0 + value);
         Some(Advice {
