@@ -9,6 +9,7 @@ use super::neighbours::Neighbours;
 use super::parameters::ParameterTable;
 use super::pass::{Forces, contact_forces};
 use super::pass_input::Input;
+use crate::Vec3;
 
 /// A contact between two steps, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,8 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     fn stiffness(&self, touch: &Touch) -> Stiffness;
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
+    /// See [`ContactLaw::viscous_force`].
+    fn viscous_force(&self, history: &[f64]) -> Vec3;
     /// See [`ContactLaw::bond`].
     fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool;
     /// See [`ContactLaw::is_bonded`].
@@ -175,6 +178,10 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
                 self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
             }
         }
+    }
+
+    fn viscous_force(&self, history: &[f64]) -> Vec3 {
+        self.law.viscous_force(&L::History::read(history))
     }
 
     fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool {

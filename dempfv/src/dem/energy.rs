@@ -95,7 +95,8 @@ impl Dem {
         self.forces.losses = vec![Losses::default(); blocks];
         self.motion_work = vec![MotionWork::default(); blocks];
         if on {
-            let began_with = self.energy_now().iter().sum();
+            // What dashpots do in the second half of the last step is booked in the next.
+            let began_with = self.energy_now().iter().sum::<f64>() + self.damping_half_way();
             let (losses, work) = Default::default();
             self.ledger = Some(Ledger { began_with, losses, work, walls: 0.0, last_dt: 0.0 });
         }
@@ -116,7 +117,7 @@ impl Dem {
             elastic,
             gravity,
             friction: losses.friction,
-            contact_damping: losses.contact_damping,
+            contact_damping: losses.contact_damping + self.damping_half_way(),
             rolling: losses.rolling,
             breakage: losses.breakage,
             touch_change: losses.touch_change,
@@ -162,20 +163,38 @@ impl Dem {
         spheres + walls + 0.0
     }
 
-    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
-    /// overlap half way, and after half the slip of the step. The parts of second order make it
-    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
-    fn elastic_half_way(&self, place: &Place<'_>) -> f64 {
-        let (p, dt, normal) = (&self.particles, self.pending_dt, place.normal);
-        let Touch { surfaces, overlap } = place.touch;
-        let arm = |k: usize| (p.radius[k] - 0.5 * overlap) * p.spin[k];
-        let (velocity, rim) = match place.other {
+    /// What the dashpots of all contacts dissipate in the second half of the last step (J), which the
+    /// next pass books.
+    fn damping_half_way(&self) -> f64 {
+        let way = |place: &Place<'_>| {
+            let (velocity, rim) = self.relative_motion(place);
+            slip(self.pending_dt, &velocity, &rim, &place.normal)
+        };
+        let lost = |place: Place<'_>| self.law.viscous_force(place.history).dot(&way(&place));
+        -0.5 * self.places().map(lost).sum::<f64>() + 0.0
+    }
+
+    /// Velocity of the second body of a contact relative to the first, and the sum of their arms times
+    /// spins (m/s).
+    fn relative_motion(&self, place: &Place<'_>) -> (Vec3, Vec3) {
+        let (p, normal) = (&self.particles, place.normal);
+        let arm = |k: usize| (p.radius[k] - 0.5 * place.touch.overlap) * p.spin[k];
+        match place.other {
             Other::Sphere(j) => (p.velocity[j] - p.velocity[place.i], arm(place.i) + arm(j)),
             Other::Wall(wall) => {
                 let moved = -wall.inward() * self.walls[wall].velocity;
                 (moved * normal - p.velocity[place.i], arm(place.i))
             }
-        };
+        }
+    }
+
+    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
+    /// overlap half way, and after half the slip of the step. The parts of second order make it
+    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
+    fn elastic_half_way(&self, place: &Place<'_>) -> f64 {
+        let (dt, normal) = (self.pending_dt, place.normal);
+        let Touch { surfaces, overlap } = place.touch;
+        let (velocity, rim) = self.relative_motion(place);
         let closing = match place.other {
             Other::Sphere(_) => {
                 let apart = place.distance * normal;

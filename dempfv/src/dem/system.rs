@@ -332,6 +332,7 @@ impl Dem {
             for ((_, total), part) in self.wall_sums.iter_mut().zip(block.values()) {
                 total.force += part.force;
                 total.stiffness += part.stiffness;
+                total.dashpot += part.dashpot;
             }
         }
         self.cell_sum = CellSum::default();
