@@ -11,6 +11,7 @@ use super::wrong::Wrong;
 use crate::Effect;
 use crate::dem::effects::BONDS;
 use crate::dem::law;
+use crate::excerpt::Brief;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -81,9 +82,10 @@ impl Bonds {
     pub(super) fn wrong_in(&self, young: f64, stages: &[Stage]) -> Option<Wrong> {
         if self.strength.tension > MOST_TENSION * young {
             let problem = format!(
-                "has a tension of {} Pa for a modulus of {young} Pa: a bond would stretch by a third of a \
-                 radius before it breaks",
-                self.strength.tension
+                "has a tension of {} Pa for a modulus of {} Pa: a bond would stretch by a third of a radius \
+                 before it breaks",
+                Brief(self.strength.tension),
+                Brief(young)
             );
             return Some(Wrong::new(problem, "give a tenth of `young` in [particles] at most"));
         }

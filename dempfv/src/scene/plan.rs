@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::bonds::Bonds;
 use super::cell::CellShape;
-use super::contacts::Contacts;
+use super::contacts::{Contacts, NormalLaw};
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
@@ -253,6 +253,13 @@ impl Plan {
         let moves = "add a table [dem], or leave this one out";
         if self.dem.is_none() && self.contacts != Contacts::default() {
             return fault(Place::Table("contacts"), &format!("[contacts] {still}"), moves);
+        }
+        let ratio = self.particles.material.stiffness_ratio;
+        let default = Particles::default().material.stiffness_ratio;
+        if self.contacts.law == NormalLaw::HertzMindlin && ratio != default {
+            let what = "`stiffness_ratio` in [particles] stands beside `law = \"hertz-mindlin\"`, whose \
+                        shear stiffness follows from `poisson_ratio`";
+            return fault(Place::Table("particles"), what, "leave it out, or give `poisson_ratio`");
         }
         let turns = self.dem.is_none_or(|dem| dem.options.rotation);
         if let Some(key) = self.contacts.needs_rotation().filter(|_| !turns) {

@@ -252,7 +252,7 @@ impl Simulation {
             None => {
                 let bonds = context.plan.bonds.as_ref();
                 if bonds.is_some_and(|b| b.begin_with(&stage.name, self.stage == 0)) {
-                    context.coupled.controls().bond()?;
+                    context.bond()?;
                 }
                 Active::start(&mut context)?
             }

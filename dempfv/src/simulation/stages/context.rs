@@ -1,11 +1,12 @@
 //! What a stage works on.
 
 use crate::coupling::Coupled;
+use crate::dem::{Contact, Partner};
 use crate::scene::{Dem, Plan, Stage, TimeStep};
 use crate::simulation::clock::Clock;
 use crate::simulation::estimate::UnstableStage;
 use crate::simulation::outcome::{Outcome, StageOutcome};
-use crate::simulation::warning::{Warning, warn};
+use crate::simulation::warning::{BondsUnderLoad, Warning, warn};
 use crate::{InputError, Result};
 
 /// Steps of a stage between two looks at whether its fixed time step is stable.
@@ -63,6 +64,20 @@ impl Context<'_> {
         let bounds = self.coupled.time_step_bounds();
         if let Some(unstable) = UnstableStage::of(self.plan, self.stage, bounds) {
             warn(self.warnings, Warning::UnstableTimeStep(unstable));
+        }
+        Ok(())
+    }
+
+    /// Bonds the spheres, and says where that took a load off contacts.
+    pub fn bond(&mut self) -> Result<()> {
+        self.coupled.compute_contacts()?;
+        let between_spheres = |c: &Contact| matches!(c.partner, Partner::Sphere(_));
+        let contacts = self.coupled.dem().contacts().filter(between_spheres);
+        let loaded = contacts.filter(|contact| contact.normal_force > 0.0).count() as u64;
+        let made = self.coupled.controls().bond()?;
+        if loaded > 0 {
+            let stage = self.stage.name.clone();
+            warn(self.warnings, Warning::BondsUnderLoad(BondsUnderLoad { stage, loaded, made }));
         }
         Ok(())
     }
