@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 
 use super::law::{ContactForce, ContactLaw, History, Needs, SphereOnPlane, Stiffness, TwoSpheres};
-use super::material::{Material, WallMaterial};
+use super::material::{Material, MaterialPair, WallMaterial};
 use super::neighbours::Neighbours;
 use super::parameters::ParameterTable;
 use super::pass::{Forces, contact_forces};
@@ -49,7 +49,7 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     /// approach (J) goes into.
     fn expected(&self, surfaces: Surfaces, radius: f64, energy: f64) -> Touch;
     /// Takes the constants of these materials.
-    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial);
+    fn set_materials(&mut self, spheres: (&[Material], &[MaterialPair]), wall: &WallMaterial);
     /// The most that any contact needs, and that one of spheres and that one
     /// with a wall needs.
     fn needs(&self) -> Needs;
@@ -83,7 +83,7 @@ pub(super) fn compile<L: ContactLaw>(
     spheres: &[Material],
     wall: &WallMaterial,
 ) -> Box<dyn CompiledLaw> {
-    let table = ParameterTable::new(&law, spheres, wall);
+    let table = ParameterTable::new(&law, (spheres, &[]), wall);
     Box::new(Compiled { law, table })
 }
 
@@ -130,7 +130,7 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
         Touch { surfaces, overlap }
     }
 
-    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial) {
+    fn set_materials(&mut self, spheres: (&[Material], &[MaterialPair]), wall: &WallMaterial) {
         self.table = ParameterTable::new(&self.law, spheres, wall);
     }
 

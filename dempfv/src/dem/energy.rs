@@ -63,6 +63,8 @@ pub struct EnergyBalance {
     pub wall_work: f64,
     /// Work of forces and torques that were added.
     pub external_work: f64,
+    /// Work of what gives spheres a motion ([`Dem::prescribe`]).
+    pub motion_work: f64,
     /// Energy that appeared without a cause: made (or, where negative, lost) by time integration.
     pub residual: f64,
 }
@@ -70,8 +72,8 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The sum of what moved (J): the magnitudes of all works and losses, to measure the residual by.
     pub fn moved(&self) -> f64 {
-        let works = self.fluid_work.abs() + self.wall_work.abs() + self.external_work.abs();
-        works + self.dissipated().abs()
+        let works = [self.fluid_work, self.wall_work, self.external_work, self.motion_work];
+        works.map(f64::abs).iter().sum::<f64>() + self.dissipated().abs()
     }
 
     /// What was dissipated by all causes (J).
@@ -125,10 +127,12 @@ impl Dem {
             fluid_work: work.fluid,
             wall_work: *walls,
             external_work: work.external,
+            motion_work: work.motion,
             residual: 0.0,
         };
         let now = translation + rotation + elastic + gravity;
-        let done = balance.fluid_work + balance.wall_work + balance.external_work;
+        let done =
+            balance.fluid_work + balance.wall_work + (balance.external_work + balance.motion_work);
         balance.residual = (now - began_with) + (balance.dissipated() - done);
         Some(balance)
     }
@@ -139,7 +143,13 @@ impl Dem {
         let p = &self.particles;
         let gravity = self.options.gravity.map_or(0.0, |g| {
             let half_way = |i: usize| p.position[i] - 0.5 * self.pending_dt * p.velocity[i];
-            -(0..p.len()).map(|i| p.mass[i] * g.dot(&half_way(i))).sum::<f64>()
+            let single = |i: &usize| self.held.clumps.of(*i).is_none();
+            let spheres = (0..p.len()).filter(single).map(|i| p.mass[i] * g.dot(&half_way(i)));
+            let bodies = self.clumps().map(|clump| {
+                let half_way = clump.centre - 0.5 * self.pending_dt * clump.velocity;
+                clump.mass * g.dot(&half_way)
+            });
+            -(spheres.sum::<f64>() + bodies.sum::<f64>())
         });
         let elastic = self.elastic_energy_half_way();
         [self.translational_energy(), self.rotational_energy(), elastic, gravity]
@@ -227,9 +237,7 @@ impl Dem {
         let last_dt = self.last_dt(dt);
         let Some(ledger) = &mut self.ledger else { return };
         for work in &mut self.motion_work {
-            ledger.work.damping += work.damping;
-            ledger.work.fluid += work.fluid;
-            ledger.work.external += work.external;
+            ledger.work.join(work);
             *work = MotionWork::default();
         }
         for wall in WallId::ALL {

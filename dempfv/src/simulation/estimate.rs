@@ -82,9 +82,14 @@ impl Specimen {
             let solid = f64::from(cloud.count) * cloud.sizes.mean_volume() * growth.powi(3);
             1.0 - solid / bounds.volume()
         });
+        // Of clumps each member counts, and the smallest sets the time step.
+        let (members, share) = plan.particles.clump.as_ref().map_or((1, 1.0), |clump| {
+            let radii = clump.members.iter().map(|(_, radius)| *radius);
+            (clump.members.len(), radii.fold(1.0, f64::min))
+        });
         Some(Specimen {
-            spheres: cloud.count as usize,
-            smallest_radius: growth * cloud.sizes.smallest(),
+            spheres: cloud.count as usize * members,
+            smallest_radius: growth * cloud.sizes.smallest() * share,
             diameter: growth * cloud.sizes.sauter_diameter(),
             porosity,
             ..Specimen::default()

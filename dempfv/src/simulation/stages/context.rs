@@ -2,7 +2,7 @@
 
 use crate::coupling::Coupled;
 use crate::dem::{Contact, Partner};
-use crate::scene::{Dem, Plan, Stage, TimeStep};
+use crate::scene::{Dem, GivenMotion, Plan, Stage, TimeStep};
 use crate::simulation::clock::Clock;
 use crate::simulation::estimate::UnstableStage;
 use crate::simulation::outcome::{Outcome, StageOutcome};
@@ -78,6 +78,27 @@ impl Context<'_> {
         if loaded > 0 {
             let stage = self.stage.name.clone();
             warn(self.warnings, Warning::BondsUnderLoad(BondsUnderLoad { stage, loaded, made }));
+        }
+        Ok(())
+    }
+
+    /// Gives the motions that begin with the stage.
+    pub fn give_motions(&mut self, is_first: bool) -> Result<()> {
+        let begins = |m: &&GivenMotion| m.begin_with(&self.stage.name, is_first);
+        for (place, given) in self.plan.motions.iter().enumerate().filter(|(_, m)| begins(m)) {
+            let dem = self.coupled.dem();
+            let numbers = given.which.chosen(&dem.positions(), &dem.radii());
+            if numbers.is_empty() {
+                let what = format!(
+                    "[[motion]] {} has no sphere when stage \"{}\" begins",
+                    place + 1,
+                    self.stage.name
+                );
+                let remedy = "give a region with the centre of a sphere in it";
+                return Err(InputError::new(what, remedy).into());
+            }
+            let time = self.clock.time;
+            self.coupled.controls().prescribe(&numbers, given.motion.clone(), time)?;
         }
         Ok(())
     }
