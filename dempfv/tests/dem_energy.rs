@@ -146,3 +146,19 @@ fn tracking_changes_no_motion() {
     on.scale_radii(1.01).unwrap();
     assert_eq!(balance(&on).friction, 0.0);
 }
+
+/// A push in one step is booked once: the steps after it, without one, add nothing.
+#[test]
+fn a_single_push_is_booked_once() {
+    let p = Particles::new(vec![Vec3::zeros()], vec![0.1], 2600.0);
+    let mut dem =
+        Dem::new(p, SPACE, material(), frictionless_walls(), DemOptions::default()).unwrap();
+    dem.track_energy(true);
+    dem.add_force(0, Vec3::new(30.0, 0.0, 0.0));
+    for _ in 0..5 {
+        dem.step(1e-3).unwrap();
+    }
+    let b = balance(&dem);
+    assert!(b.external_work > 0.0 && b.residual.abs() < 1e-14 * b.translation, "{b:?}");
+    assert!((b.external_work / b.translation - 1.0).abs() < 1e-12, "{b:?}");
+}

@@ -139,7 +139,7 @@ impl Clumps {
             rigid.advance(p, (loads, step), strokes, tracks);
         });
         if let Some(work) = work {
-            self.rigid.iter().for_each(|rigid| work.join(&rigid.course.work));
+            self.rigid.iter().for_each(|rigid| work.add(&rigid.course.work));
         }
         let (mut farthest2, mut sum) = (0.0f64, 0.0);
         for Rigid { body, places, course, .. } in &self.rigid {
