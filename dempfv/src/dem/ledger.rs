@@ -15,14 +15,17 @@ pub(super) struct MotionWork {
     pub fluid: f64,
     /// Done by forces and torques that were added.
     pub external: f64,
+    /// Done by what gives spheres their motion.
+    pub motion: f64,
 }
 
 impl MotionWork {
-    /// Adds another.
-    pub fn add(&mut self, other: &MotionWork) {
+    /// Adds the work of others.
+    pub fn join(&mut self, other: &MotionWork) {
         self.damping += other.damping;
         self.fluid += other.fluid;
         self.external += other.external;
+        self.motion += other.motion;
     }
 }
 
@@ -42,8 +45,9 @@ pub(super) struct Ledger {
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
         let Ledger { began_with, losses, work, walls, last_dt } = self;
-        let MotionWork { damping, fluid, external } = work;
-        let all = [*began_with, losses.total(), *damping, *fluid, *external, *walls, *last_dt];
-        all.into_iter().try_for_each(|energy| finite("energy ledger", energy))
+        let MotionWork { damping, fluid, external, motion } = work;
+        let done = [*damping, *fluid, *external, *motion];
+        let mut all = [*began_with, losses.total(), *walls, *last_dt].into_iter().chain(done);
+        all.try_for_each(|energy| finite("energy ledger", energy))
     }
 }

@@ -17,6 +17,8 @@ pub enum Warning {
     ServoMissed(ServoMissed),
     /// The load of a consolidation has not come at once.
     LateLoad(LateLoad),
+    /// Bonds were made on contacts that carried a load.
+    BondsUnderLoad(BondsUnderLoad),
     /// A restart has changed what is simulated.
     Restarted {
         /// Steps that were done before.
@@ -48,6 +50,28 @@ impl fmt::Display for ServoMissed {
             f,
             "stage \"{stage}\": the servo on {wall} was asked for {asked:.4e} Pa and got {mean:.4e} Pa in the last \
              part of the stage, from {low:.4e} to {high:.4e} Pa"
+        )
+    }
+}
+
+/// Bonds that were made on contacts that carried a load, which is gone with them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BondsUnderLoad {
+    /// The name of the stage that began with making them.
+    pub stage: String,
+    /// Their number.
+    pub loaded: u64,
+    /// Bonds in all.
+    pub made: u64,
+}
+
+impl fmt::Display for BondsUnderLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let BondsUnderLoad { stage, loaded, made } = self;
+        write!(
+            f,
+            "stage \"{stage}\": {loaded} of {made} bonds were made on contacts that carried a load; a bond is made \
+             without force, so their forces fell to 0 and the packing comes to rest anew"
         )
     }
 }
@@ -101,6 +125,7 @@ impl fmt::Display for Warning {
             Warning::UnstableTimeStep(stage) => stage.fmt(f),
             Warning::ServoMissed(missed) => missed.fmt(f),
             Warning::LateLoad(late) => late.fmt(f),
+            Warning::BondsUnderLoad(bonds) => bonds.fmt(f),
             Warning::Restarted { step, change } => write!(f, "restart at step {step}: {change}"),
         }
     }

@@ -64,6 +64,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
         names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
         names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
     }
+    if plan.output.energy && !plan.motions.is_empty() {
+        names.push("motion_work_j".to_owned());
+    }
     if plan.bonds.is_some() {
         names.extend(["intact_bonds", "broken_bonds"].map(str::to_owned));
     }
@@ -148,6 +151,10 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         for tensor in [cell.strain, cell.stress] {
             values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
         }
+    }
+    if simulation.plan().output.energy && !simulation.plan().motions.is_empty() {
+        let balance = simulation.coupled().dem().energy_balance();
+        values.push(balance.map_or(f64::NAN, |b| b.motion_work).into());
     }
     if simulation.plan().bonds.is_some() {
         let dem = simulation.coupled().dem();
