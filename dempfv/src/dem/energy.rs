@@ -9,6 +9,7 @@
 
 use serde::Serialize;
 
+use super::cell_pass::CellPass;
 use super::compiled::Touch;
 use super::contacts::{Other, Place};
 use super::law::Losses;
@@ -17,7 +18,7 @@ use super::system::Dem;
 use super::touch_change::slip;
 use crate::parallel::{block_count, sum_of};
 use crate::{Effect, EffectKey, Family};
-use crate::{PerWall, Vec3, WallId};
+use crate::{PerWall, Tensor, Vec3, WallId};
 
 /// What this effect says of itself.
 pub const EFFECT: Effect = Effect {
@@ -61,6 +62,9 @@ pub struct EnergyBalance {
     pub fluid_work: f64,
     /// Work of the walls on the spheres.
     pub wall_work: f64,
+    /// Work of the periodic cell on the spheres: of its deformation against the stress of contacts
+    /// and motion, −V σ:L in a second.
+    pub cell_work: f64,
     /// Work of forces and torques that were added.
     pub external_work: f64,
     /// Energy that appeared without a cause: made (or, where negative, lost) by time integration.
@@ -70,8 +74,8 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The sum of what moved (J): the magnitudes of all works and losses, to measure the residual by.
     pub fn moved(&self) -> f64 {
-        let works = self.fluid_work.abs() + self.wall_work.abs() + self.external_work.abs();
-        works + self.dissipated().abs()
+        let around = self.wall_work.abs() + self.cell_work.abs();
+        around + self.fluid_work.abs() + self.external_work.abs() + self.dissipated().abs()
     }
 
     /// What was dissipated by all causes (J).
@@ -87,17 +91,17 @@ impl EnergyBalance {
 
 impl Dem {
     /// Begins to track energy by cause, or ends it. Costs nothing when off. Beginning anew forgets
-    /// what was tracked before. There is none in a periodic cell, whose work is not booked.
+    /// what was tracked before.
     pub fn track_energy(&mut self, on: bool) {
         self.ledger = None;
-        let on = on && self.cell.is_none();
         let blocks = if on { block_count(self.particles.len()) } else { 0 };
         self.forces.losses = vec![Losses::default(); blocks];
         self.motion_work = vec![MotionWork::default(); blocks];
         if on {
             let began_with = self.energy_now().iter().sum();
             let (losses, work) = Default::default();
-            self.ledger = Some(Ledger { began_with, losses, work, walls: 0.0, last_dt: 0.0 });
+            self.ledger =
+                Some(Ledger { began_with, losses, work, walls: 0.0, cell: 0.0, last_dt: 0.0 });
         }
     }
 
@@ -108,7 +112,7 @@ impl Dem {
 
     /// Energy by cause since [`Dem::track_energy`]; `None` where it is not tracked.
     pub fn energy_balance(&self) -> Option<EnergyBalance> {
-        let Ledger { began_with, losses, work, walls, .. } = self.ledger.as_ref()?;
+        let Ledger { began_with, losses, work, walls, cell, .. } = self.ledger.as_ref()?;
         let [translation, rotation, elastic, gravity] = self.energy_now();
         let mut balance = EnergyBalance {
             translation,
@@ -123,11 +127,13 @@ impl Dem {
             local_damping: work.damping,
             fluid_work: work.fluid,
             wall_work: *walls,
+            cell_work: *cell,
             external_work: work.external,
             residual: 0.0,
         };
         let now = translation + rotation + elastic + gravity;
-        let done = balance.fluid_work + balance.wall_work + balance.external_work;
+        let around = balance.wall_work + balance.cell_work;
+        let done = balance.fluid_work + around + balance.external_work;
         balance.residual = (now - began_with) + (balance.dissipated() - done);
         Some(balance)
     }
@@ -147,15 +153,20 @@ impl Dem {
     /// Elastic energy of all contacts half a step before the positions (J).
     fn elastic_energy_half_way(&self) -> f64 {
         let (list, length) = (&self.list, self.law.history_length());
+        let cell = self.cell.as_ref().map(CellPass::new);
         let spheres = sum_of(list.pairs.len(), |k| {
+            if !list.touch[k] {
+                return 0.0;
+            }
             let history = &list.history[k * length..][..length];
-            let place =
-                || self.elastic_half_way(&self.sphere_place(list.pairs[k], Vec3::zeros(), history));
-            if list.touch[k] { place() } else { 0.0 }
+            let shift = cell.map_or(Vec3::zeros(), |cell| cell.shift(list.image[k]));
+            let place = self.sphere_place(list.pairs[k], shift, history);
+            self.elastic_half_way(&place, cell.as_ref())
         });
         let walls = sum_of(list.wall_pairs.len(), |k| {
             let history = &list.wall_history[k * length..][..length];
-            let place = || self.elastic_half_way(&self.wall_place(list.wall_pairs[k], history));
+            let place =
+                || self.elastic_half_way(&self.wall_place(list.wall_pairs[k], history), None);
             if list.wall_touch[k] { place() } else { 0.0 }
         });
         // Sums of nothing are -0, which helps no reader.
@@ -165,12 +176,19 @@ impl Dem {
     /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
     /// overlap half way, and after half the slip of the step. The parts of second order make it
     /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
-    fn elastic_half_way(&self, place: &Place<'_>) -> f64 {
+    fn elastic_half_way(&self, place: &Place<'_>, cell: Option<&CellPass>) -> f64 {
         let (p, dt, normal) = (&self.particles, self.pending_dt, place.normal);
         let Touch { surfaces, overlap } = place.touch;
         let arm = |k: usize| (p.radius[k] - 0.5 * overlap) * p.spin[k];
         let (velocity, rim) = match place.other {
-            Other::Sphere(j) => (p.velocity[j] - p.velocity[place.i], arm(place.i) + arm(j)),
+            Other::Sphere(j) => {
+                let mut apart = p.velocity[j] - p.velocity[place.i];
+                if let Some(cell) = cell {
+                    let way = place.distance * normal;
+                    apart = cell.with_mean_field(apart.into(), way.into()).into();
+                }
+                (apart, arm(place.i) + arm(j))
+            }
             Other::Wall(wall) => {
                 let moved = -wall.inward() * self.walls[wall].velocity;
                 (moved * normal - p.velocity[place.i], arm(place.i))
@@ -201,6 +219,23 @@ impl Dem {
     /// Length of the step before one of `dt`, where that is known (s).
     pub(super) fn last_dt(&self, dt: f64) -> f64 {
         self.ledger.map_or(dt, |ledger| if ledger.last_dt > 0.0 { ledger.last_dt } else { dt })
+    }
+
+    /// Books what the cell does against the contacts in a step of `dt` (s): over half the way of the
+    /// step before, and half that of this one, with these velocity gradients (1/s).
+    pub(super) fn book_cell(&mut self, dt: f64, [before, now]: [&Tensor; 2]) {
+        let last_dt = self.last_dt(dt);
+        let Some(ledger) = &mut self.ledger else { return };
+        let sum = &self.cell_sum;
+        ledger.cell -= 0.5 * (last_dt * sum.power(before) + dt * sum.power(now));
+    }
+
+    /// Books what the cell has made of the motion of the spheres, which had this energy (J).
+    pub(super) fn book_cell_motion(&mut self, before: f64) {
+        let now = self.translational_energy();
+        if let Some(ledger) = &mut self.ledger {
+            ledger.cell += now - before;
+        }
     }
 
     /// Books what forces and walls did in the step; `before` has the walls' velocities before it.
