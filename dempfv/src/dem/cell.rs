@@ -62,7 +62,7 @@ impl Default for CellControl {
 pub type CellControls = [[CellControl; 3]; 3];
 
 /// Largest strain in a step: two spheres that touch come as much nearer, over their distance.
-const MOST_STRAIN: f64 = 0.02;
+const MOST_STRAIN: f64 = 0.1;
 
 /// A periodic cell in motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
