@@ -38,7 +38,7 @@ pub(crate) use difference::stage_names;
 pub use difference::{Difference, differences};
 pub use fluid::Fluid;
 pub use output::Output;
-pub use packing_check::{load_packing, validate_packing};
+pub use packing_check::{load_packing, load_periodic_packing, validate_packing};
 pub use particles::{ParticleSource, Particles};
 pub use plan::Plan;
 pub use read::known_keys;

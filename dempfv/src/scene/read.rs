@@ -159,7 +159,9 @@ impl Plan {
         }
         self.cell.iter().for_each(|cell| table("[cell]", cell.write()));
         table("[particles]", self.particles.write());
-        table("[walls]", self.walls.write());
+        if self.cell.is_none() {
+            table("[walls]", self.walls.write());
+        }
         if self.contacts != Contacts::default() {
             table("[contacts]", self.contacts.write());
         }
@@ -189,6 +191,10 @@ fn read(root: &Table) -> Result<Plan> {
     let room = bounds.or(cell.and_then(|cell| cell.room()));
     let particles = root.need("particles", "[particles] with `packing` or `cloud`")?;
     let particles = Particles::read_in(&particles, room.as_ref())?;
+    if let Some(table) = root.get("walls").filter(|_| cell.is_some()) {
+        let (what, remedy) = plan::WALLS_IN_CELL;
+        return Err(root.source.error(table.at, what, remedy));
+    }
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
     let contacts = read_or(root, "contacts", Contacts::default())?.unwrap_or_default();

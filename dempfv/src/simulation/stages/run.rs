@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_watch::CellWatch;
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
@@ -26,6 +27,7 @@ pub struct State {
     /// stage longer.
     ahead: u64,
     servos: ServoWatch,
+    cell: CellWatch,
 }
 
 /// Moments of the stage's course that are kept.
@@ -70,6 +72,7 @@ impl State {
             samples: vec![],
             ahead: 0,
             servos: ServoWatch::default(),
+            cell: CellWatch::of(context.coupled),
         };
         set_friction(context.coupled, plan, context.plan)?;
         Ok(state)
@@ -88,7 +91,8 @@ impl State {
         for (wall, control) in plan.walls.iter().filter(|(wall, _)| changes.of_wall(*wall)) {
             coupled.controls().set_control(wall, *control)?;
         }
-        if changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress") {
+        let moves = changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress");
+        if moves {
             set_cell(coupled, plan)?;
         }
         self.end = End::of(plan.until, start);
@@ -100,6 +104,9 @@ impl State {
         }
         if end || changes.in_stage("walls") {
             self.servos = ServoWatch::default();
+        }
+        if end || moves {
+            self.cell = CellWatch::of(coupled);
         }
         Ok(())
     }
@@ -137,7 +144,9 @@ impl State {
             context.step()?;
             self.steps += 1;
             let over = self.is_over(context)?;
-            self.servos.look(context, self.progress(context.clock));
+            let progress = self.progress(context.clock);
+            self.servos.look(context, progress);
+            self.cell.look(context, progress);
             let share = (self.samples.len() as u64).saturating_sub(self.ahead);
             if over || self.progress(context.clock) * SAMPLES >= share as f64 {
                 self.samples.push(self.sample(context));
@@ -147,6 +156,7 @@ impl State {
             }
         }
         self.servos.warn(context);
+        self.cell.warn(context);
         context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
