@@ -87,6 +87,21 @@ fn forces_add_up_to_the_gradient_on_the_volume() {
     assert!(left.norm() < 1e-12 * size);
 }
 
+/// The same where large spheres reach past the edges between small ones.
+#[test]
+fn forces_add_up_where_spheres_reach_past_a_facet() {
+    let (x, mut r, cell) = packed_cell(2);
+    r.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0).for_each(|(_, r)| *r *= 0.2);
+    let mut flow = cell_flow(&x, &r, &cell);
+    let gradient = Vec3::new(3.0, -1.0, 2.0);
+    flow.set_pressure_gradient(gradient).unwrap();
+    flow.solve_static().unwrap();
+    let drag: Vec3 = flow.force().iter().sum();
+    let size: f64 = flow.force().iter().map(|f| f.norm()).sum();
+    let off = (drag + gradient * cell.volume()).norm() / size;
+    assert!(off < 1e-12, "{off:e}");
+}
+
 /// The permeability is that of any copies side by side, of the same spheres elsewhere in the cell, of
 /// the same copies described by other edges, and of a turned cell turned back; K is symmetric and
 /// positive.
