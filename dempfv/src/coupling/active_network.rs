@@ -13,6 +13,8 @@ pub(super) struct SolidMotion<'a> {
     pub velocity: &'a [Vec3],
     /// Velocity of each wall along its axis (m/s).
     pub walls: [f64; 6],
+    /// By how much of its volume a periodic cell grows in a second (1/s).
+    pub dilation: f64,
     /// Which walls a servo moves.
     pub servo: [bool; 6],
     /// The time step (s).
@@ -74,8 +76,10 @@ impl ActiveNetwork {
         }
         self.set_time_step(motion.dt, phases)?;
         let ActiveNetwork { flow, state, iterations, .. } = self;
-        phases
-            .time(Phase::VolumeRates, || flow.update_volume_rate(motion.velocity, &motion.walls))?;
+        phases.time(Phase::VolumeRates, || match flow.network().periodic() {
+            None => flow.update_volume_rate(motion.velocity, &motion.walls),
+            Some(_) => flow.update_volume_rate_in_cell(motion.velocity, motion.dilation),
+        })?;
         impose(flow, motion.wall_pressure)?;
         // Before the pressures: where this fails, the step has not begun to change them.
         for wall in WallId::ALL {

@@ -201,8 +201,12 @@ impl Coupled {
     /// once.
     fn prepare_network(&mut self, saturation: &Saturation, time_step: f64) -> Result<()> {
         if self.dem.cell().is_some() {
-            let remedy = "there is no flow across its faces yet; run it dry, or put walls around";
-            return Err(DemError::InCell { what: "a fluid", remedy }.into());
+            self.effects.check_in_cell()?;
+            if self.remesher.acceleration().update == Update::EveryStep {
+                let what = "a network that follows the spheres in each step";
+                let remedy = "its spheres are put back into the cell; renew it more often";
+                return Err(DemError::InCell { what, remedy }.into());
+            }
         }
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
@@ -488,6 +492,7 @@ fn motion<'a>(
     SolidMotion {
         velocity,
         walls: walls.map(|w| w.velocity).0,
+        dilation: dem.cell().map_or(0.0, |cell| cell.velocity_gradient().trace()),
         servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
         wall_pressure,

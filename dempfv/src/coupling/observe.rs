@@ -1,6 +1,7 @@
 //! What can be seen of a simulation between two steps.
 
 use super::coupled::Coupled;
+use crate::pfv::Flow;
 use crate::{Axis, Tensor, Vec3, WallId};
 
 /// Scalars of the current state, for histories and progress.
@@ -46,8 +47,11 @@ pub struct CellObservation {
     pub angles: [f64; 3],
     /// ∫ L dt since the cell was made (1), positive in extension.
     pub strain: Tensor,
-    /// Stress by contacts and motion (Pa, positive in compression).
+    /// Stress by contacts and motion (Pa, positive in compression); that of the fluid is beside it.
     pub stress: Tensor,
+    /// Mean velocity of the fluid over the whole area, relative to the spheres at rest (m/s); zero
+    /// where the pores are empty.
+    pub fluid_velocity: Vec3,
 }
 
 impl Coupled {
@@ -58,16 +62,22 @@ impl Coupled {
             lengths: cell.cell().lengths(),
             angles: cell.cell().angles(),
             strain: *cell.strain(),
-            stress: self.dem.stress_in_cell() + self.dem.kinetic_stress(),
+            stress: self.cell_stress()?,
+            fluid_velocity: self.storage_flow().and_then(Flow::mean_velocity).unwrap_or_default(),
         })
+    }
+
+    /// Stress by contacts and motion in a periodic cell (Pa); `None` between walls.
+    pub(crate) fn cell_stress(&self) -> Option<Tensor> {
+        self.dem.cell().map(|_| self.dem.stress_in_cell() + self.dem.kinetic_stress())
     }
 
     /// Normal stress along an axis (Pa): of its two walls, contacts and fluid together, or of the
     /// periodic cell.
     pub fn axis_stress(&self, axis: Axis) -> f64 {
         let k = axis.index();
-        match self.observe_cell() {
-            Some(cell) => cell.stress[(k, k)],
+        match self.cell_stress() {
+            Some(stress) => stress[(k, k)],
             None => {
                 let [lower, upper] = [2 * k, 2 * k + 1].map(|w| WallId::ALL[w]);
                 0.5 * (self.wall_stress(lower) + self.wall_stress(upper))

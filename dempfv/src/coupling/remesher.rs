@@ -350,7 +350,7 @@ impl Remesher {
             self.source.keep(None);
         }
         impose(&mut flow, context.effects.wall_pressures(context.time))?;
-        weigh(&mut flow, &context)?;
+        load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         if let Some(Retired { pressures, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
@@ -454,7 +454,7 @@ impl Remesher {
         self.put_to_use(flow, state)?;
         if let Some(network) = &mut self.current {
             impose(&mut network.flow, context.effects.wall_pressures(context.time))?;
-            weigh(&mut network.flow, &context)?;
+            load(&mut network.flow, &context)?;
             network.resume()?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
@@ -465,17 +465,27 @@ impl Remesher {
     }
 }
 
-/// Gives a fluid of some density its weight under the gravity of the spheres.
-fn weigh(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
+/// Gives a fluid of some density its weight under the gravity of the spheres, and what flows through
+/// a periodic cell its mean gradient.
+fn load(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
     match (context.effects.density, context.dem.options().gravity) {
-        (Some(density), Some(gravity)) => Ok(flow.set_weight(density * gravity)?),
-        _ => Ok(()),
+        (Some(density), Some(gravity)) => flow.set_weight(density * gravity)?,
+        _ => {}
     }
+    if let Some(gradient) = context.effects.pressure_gradient {
+        flow.set_pressure_gradient(gradient)?;
+        flow.move_with_spheres(&context.dem.storage().mass)?;
+    }
+    Ok(())
 }
 
 /// What each pore has grown by since the positions that its network was built of (m³).
 fn volume_change(flow: &Flow, context: &RemeshContext) -> Result<Vec<f64>> {
-    let now = flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_())?;
+    let position = &context.dem.storage().position;
+    let now = match context.dem.cell() {
+        None => flow.network().volumes_at(position, &context.dem.box_())?,
+        Some(cell) => flow.network().volumes_in_cell(position, cell.cell())?,
+    };
     Ok(now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect())
 }
 

@@ -38,16 +38,18 @@ pub(super) struct Ledger {
     pub work: MotionWork,
     /// Done by the walls.
     pub walls: f64,
+    /// Done by the periodic cell.
+    pub cell: f64,
     /// Length of the last step (s); 0 before the first.
     pub last_dt: f64,
 }
 
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
-        let Ledger { began_with, losses, work, walls, last_dt } = self;
+        let Ledger { began_with, losses, work, walls, cell, last_dt } = self;
         let MotionWork { damping, fluid, external, motion } = work;
-        let done = [*damping, *fluid, *external, *motion];
-        let mut all = [*began_with, losses.total(), *walls, *last_dt].into_iter().chain(done);
-        all.try_for_each(|energy| finite("energy ledger", energy))
+        let works = [*damping, *fluid, *external, *motion, *walls, *cell];
+        let rest = [*began_with, losses.total(), *last_dt];
+        works.into_iter().chain(rest).try_for_each(|energy| finite("energy ledger", energy))
     }
 }

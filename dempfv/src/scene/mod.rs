@@ -45,7 +45,7 @@ pub use fluid::Fluid;
 pub use materials::{OtherMaterial, Pair};
 pub use motion::GivenMotion;
 pub use output::Output;
-pub use packing_check::{load_packing, validate_packing};
+pub use packing_check::{load_packing, load_periodic_packing, validate_packing};
 pub use particles::{ParticleSource, Particles};
 pub use plan::Plan;
 pub use read::known_keys;

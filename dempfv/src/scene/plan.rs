@@ -47,6 +47,10 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
 ]);
 pub(super) static BOX: Schema = Schema::table("[box]", &["min", "max"]);
 
+/// What is said of walls in a cell, and what would be right.
+pub(super) const WALLS_IN_CELL: (&str, &str) =
+    ("[walls] stands beside [cell]", "leave it out: a cell has no walls");
+
 /// A scene: what is simulated, with which numbers, in which order.
 ///
 /// An absent part (`None`) is an effect that is not simulated. A plan is read from a scene file
@@ -180,6 +184,11 @@ impl Plan {
 
     /// Checks the parts against each other.
     pub(super) fn rules(&self) -> Result<(), Fault> {
+        let around = self.fluid.as_ref().and_then(|f| f.wrong_around(self.cell.is_some()));
+        if let Some(Wrong { problem, remedy }) = around {
+            let what = format!("[fluid] {problem}");
+            return Err(Fault { place: Place::Table("fluid"), what, remedy });
+        }
         self.rules_of_cell()?;
         for (i, stage) in self.stages.iter().enumerate() {
             let earlier = &self.stages[..i];
@@ -197,7 +206,8 @@ impl Plan {
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
         let wrong = self.fluid.as_ref().and_then(|fluid| {
-            coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+            let walls = coupled.filter(|_| self.cell.is_none());
+            walls.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -222,18 +232,7 @@ impl Plan {
                 "[box] stands beside [cell]",
                 "keep one: a cell has no walls",
             ),
-            (
-                !unsaid.contains(&self.walls),
-                "walls",
-                "[walls] stands beside [cell]",
-                "leave it out: a cell has no walls",
-            ),
-            (
-                self.fluid.is_some(),
-                "fluid",
-                "[fluid] stands beside [cell]: there is no flow across its faces yet",
-                "leave one of the two out",
-            ),
+            (!unsaid.contains(&self.walls), "walls", WALLS_IN_CELL.0, WALLS_IN_CELL.1),
             (
                 self.particles.clump.is_some(),
                 "particles",
@@ -264,6 +263,18 @@ impl Plan {
             if let Some(Wrong { problem, remedy }) = cell.wrong_with(sizes.largest(), mean) {
                 let what = format!("[cell] {problem}");
                 return Err(Fault { place: Place::Table("cell"), what, remedy });
+            }
+        }
+        let effects = self.granular();
+        let pulls = effects.bonds.is_some() || effects.adhesion.is_some();
+        let young = self.particles.material.young;
+        for (i, stage) in self.stages.iter().enumerate() {
+            let closed = self.fluid.as_ref().is_some_and(|fluid| !fluid.effects.store());
+            let wrong = stage.cell_stress_wrong(young, pulls);
+            let wrong = wrong.or_else(|| stage.volume_wrong().filter(|_| closed));
+            if let Some(Wrong { problem, remedy }) = wrong {
+                let what = format!("stage \"{}\" {problem}", stage.name);
+                return Err(Fault { place: Place::Stage(i), what, remedy });
             }
         }
         Ok(())
@@ -451,7 +462,7 @@ impl Plan {
         effects.extend(GivenMotion::described(&self.motions, contacts));
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
-        effects.extend(Fluid::effects(flow, coupled));
+        effects.extend(Fluid::effects(flow, coupled, self.cell.is_some()));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

@@ -63,6 +63,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
         names.extend(["alpha", "beta", "gamma"].map(|angle| format!("cell_{angle}_deg")));
         names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
         names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
+        if plan.fluid.is_some() {
+            names.extend(["x", "y", "z"].map(|axis| format!("cell_fluid_velocity_{axis}_m_s")));
+        }
     }
     if plan.output.energy && !plan.motions.is_empty() {
         names.push("motion_work_j".to_owned());
@@ -77,7 +80,7 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
 type EnergyTerm = fn(&EnergyBalance) -> f64;
 
 /// Energy by cause, beside the kinetic and the elastic energy.
-const ENERGY: [(&str, EnergyTerm); 10] = [
+const ENERGY: [(&str, EnergyTerm); 11] = [
     ("gravity_energy_j", |b| b.gravity),
     ("friction_loss_j", |b| b.friction),
     ("contact_damping_loss_j", |b| b.contact_damping),
@@ -87,6 +90,7 @@ const ENERGY: [(&str, EnergyTerm); 10] = [
     ("local_damping_loss_j", |b| b.local_damping),
     ("fluid_work_j", |b| b.fluid_work),
     ("wall_work_j", |b| b.wall_work),
+    ("cell_work_j", |b| b.cell_work),
     ("energy_residual_j", |b| b.residual),
 ];
 
@@ -150,6 +154,9 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         values.extend(cell.angles.map(|angle| Value::from(angle.to_degrees())));
         for tensor in [cell.strain, cell.stress] {
             values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
+        }
+        if simulation.plan().fluid.is_some() {
+            values.extend(cell.fluid_velocity.iter().map(|&u| Value::from(u)));
         }
     }
     if simulation.plan().output.energy && !simulation.plan().motions.is_empty() {
