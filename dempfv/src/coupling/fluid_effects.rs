@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeEffects;
 use super::error::Result;
 use crate::pfv::ImposedPressure;
 use crate::pfv::terms::{Compressibility, PoreSource, StepTerms};
@@ -43,6 +44,8 @@ pub struct FluidEffects {
     pub imposed: Vec<ImposedPressure>,
     /// What enters pores of choice.
     pub sources: Vec<PoreSource>,
+    /// Forces between neighbours.
+    pub edges: EdgeEffects,
 }
 
 impl FluidEffects {

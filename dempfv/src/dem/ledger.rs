@@ -17,6 +17,40 @@ pub(super) struct MotionWork {
     pub external: f64,
 }
 
+/// What the films of fluid between neighbours took from the energy of motion (J), by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FilmLosses {
+    pub viscous_shear: f64,
+    pub normal_lubrication: f64,
+    pub shear_lubrication: f64,
+    pub pump_torque: f64,
+    pub twist_torque: f64,
+    /// Held by the springs in series with the films.
+    pub elastic: f64,
+}
+
+impl FilmLosses {
+    /// Adds those of others.
+    pub fn join(&mut self, other: &FilmLosses) {
+        self.viscous_shear += other.viscous_shear;
+        self.normal_lubrication += other.normal_lubrication;
+        self.shear_lubrication += other.shear_lubrication;
+        self.pump_torque += other.pump_torque;
+        self.twist_torque += other.twist_torque;
+        self.elastic += other.elastic;
+    }
+
+    /// What was dissipated.
+    pub fn dissipated(&self) -> f64 {
+        let FilmLosses { viscous_shear, normal_lubrication, shear_lubrication, .. } = self;
+        viscous_shear
+            + normal_lubrication
+            + shear_lubrication
+            + self.pump_torque
+            + self.twist_torque
+    }
+}
+
 /// The sums since tracking began. What a checkpoint holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ledger {
@@ -24,6 +58,7 @@ pub(super) struct Ledger {
     pub began_with: f64,
     pub losses: Losses,
     pub work: MotionWork,
+    pub films: FilmLosses,
     /// Done by the walls.
     pub walls: f64,
     /// Length of the last step (s); 0 before the first.
@@ -32,9 +67,11 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
-        let Ledger { began_with, losses, work, walls, last_dt } = self;
+        let Ledger { began_with, losses, work, films, walls, last_dt } = self;
         let MotionWork { damping, fluid, external } = work;
-        let all = [*began_with, losses.total(), *damping, *fluid, *external, *walls, *last_dt];
+        let films = films.dissipated() + films.elastic;
+        let all =
+            [*began_with, losses.total(), *damping, *fluid, *external, films, *walls, *last_dt];
         all.into_iter().try_for_each(|energy| finite("energy ledger", energy))
     }
 }

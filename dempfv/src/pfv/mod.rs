@@ -17,6 +17,7 @@ mod build_times;
 mod centroid;
 mod clamp;
 mod drag;
+mod edges;
 mod error;
 mod extrapolation;
 mod flat_pores;
@@ -55,6 +56,7 @@ mod transfer;
 mod viscous;
 mod void_volume;
 
+pub(crate) use edges::EdgeList;
 pub(crate) use packing_check::check_tolerance;
 
 pub use crate::solver::Iterations;
