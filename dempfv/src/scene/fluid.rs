@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
 use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::lubrication;
 use super::region::{ImposedRegion, SourceRegion};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
@@ -51,6 +52,13 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "sealed_pores",
         "imposed",
         "sources",
+        "viscous_shear",
+        "normal_lubrication",
+        "shear_lubrication",
+        "pump_torque",
+        "twist_torque",
+        "eps",
+        "lubrication_stiffness",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -141,6 +149,7 @@ impl Keyed for Fluid {
         let form = "an array of tables, as in [{ center = [0.0, 0.0, 0.0], radius = 0.1, ... }]";
         keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
         keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
+        lubrication::keys(keys, &mut effects.edges)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),

@@ -13,6 +13,7 @@ mod difference;
 mod fluid;
 mod keys;
 mod kind;
+mod lubrication;
 mod nearest;
 mod output;
 mod packing_check;

@@ -10,6 +10,7 @@ use super::contacts::Contacts;
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
+use super::lubrication;
 use super::output::{self, Output};
 use super::packing_check::{box_wrong, load_packing, load_packing_in_cell};
 use super::particles::{ParticleSource, Particles};
@@ -177,8 +178,13 @@ impl Plan {
         self.contact_rules()?;
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
+        let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
-            coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+            let edges = &fluid.effects.edges;
+            let undetermined = coupled.and_then(|s| fluid.undetermined_in(&s.name));
+            undetermined
+                .or(fluid.weightless(gravity))
+                .or_else(|| lubrication::wrong_in(edges, coupled.is_some(), turns))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -348,6 +354,7 @@ impl Plan {
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
         effects.extend(Fluid::effects(flow, coupled));
+        effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }
