@@ -8,7 +8,8 @@ pub const EFFECT: Effect = Effect {
     name: "viscous shear",
     family: Family::Fluid,
     equation: "F_t = μ A Δv_t / (gap + 0.45 r), A the facet between the two power cells, r the smaller radius",
-    source: "D. Marzougui, B. Chareyre, J. Chauchat: Granular Matter 17 (2015); the depth as YADE 2023.02a has it",
+    source: "D. Marzougui, B. Chareyre, J. Chauchat: Granular Matter 17 (2015); \
+             the depth as YADE 2023.02a has it",
     keys: &[EffectKey { key: "viscous_shear in [fluid]", unit: "", default: "false" }],
     needs: "the edges of the triangulation",
     test: "dempfv/tests/coupling_shear.rs",
