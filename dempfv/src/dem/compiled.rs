@@ -7,8 +7,12 @@ use super::law::{ContactForce, ContactLaw, History, Needs, SphereOnPlane, Stiffn
 use super::material::{Material, WallMaterial};
 use super::neighbours::Neighbours;
 use super::parameters::ParameterTable;
+use super::particles::Particles;
 use super::pass::{Forces, contact_forces};
 use super::pass_input::Input;
+use super::stiffness_pass::{
+    EXPECTED_OVERLAP_SHARE, StiffnessInput, StiffnessScratch, fastest_held, fastest_lone,
+};
 
 /// A contact between two steps, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +21,6 @@ pub(super) struct Touch {
     /// Depth of the overlap (m).
     pub overlap: f64,
 }
-
-/// Overlap, as a share of the radius, at which the stiffness of a contact that
-/// does not exist yet is taken at least; the linear law's does not depend on it.
-const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
 
 /// The two bodies of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +57,10 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     /// Computes all contact forces; histories follow the last step.
     fn contact_forces(&self, list: &mut Neighbours, out: &mut Forces, input: Input<'_>);
     fn stiffness(&self, touch: &Touch) -> Stiffness;
+    /// See [`fastest_held`].
+    fn fastest_held(&self, input: StiffnessInput<'_>, scratch: &mut StiffnessScratch) -> f64;
+    /// See [`fastest_lone`].
+    fn fastest_lone(&self, particles: &Particles, impact2: f64) -> f64;
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
     /// See [`ContactLaw::bond`].
@@ -153,6 +157,14 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
             Surfaces::Spheres(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
             Surfaces::Wall(radii, _) => self.law.stiffness(&parameters, radii, touch.overlap),
         }
+    }
+
+    fn fastest_held(&self, input: StiffnessInput<'_>, scratch: &mut StiffnessScratch) -> f64 {
+        fastest_held(&self.law, &self.table, input, scratch)
+    }
+
+    fn fastest_lone(&self, p: &Particles, impact2: f64) -> f64 {
+        fastest_lone(&self.law, &self.table, &p.radius, &p.mass, &p.material, impact2)
     }
 
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce {

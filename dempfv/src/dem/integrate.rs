@@ -84,7 +84,7 @@ struct Found {
 /// x += v Δt, and the same for spins. Returns the farthest way that a sphere
 /// went (m).
 ///
-/// `work` has room for what each block's forces do, or is empty where that is not tracked.
+/// `work` has room for what the forces on each sphere do, or is empty where that is not tracked.
 ///
 /// # Errors
 /// [`DemError::NotFinite`] names the first particle that is not finite.
@@ -160,7 +160,7 @@ impl Span for MoveSpan<'_> {
         let fluid_torque = cut(self.fluid_torque, n);
         let external_force = cut(self.external_force, n);
         let external_torque = cut(self.external_torque, n);
-        let work = cut_mut(self.work, blocks);
+        let work = cut_mut(self.work, n);
         (
             MoveSpan {
                 position: position.0,
@@ -243,12 +243,13 @@ impl MoveSpan<'_> {
             step.damping.damp(&mut a, &self.velocity[k], dt);
             let v = self.velocity[k] + dt * a;
             if WORK {
-                let work = &mut self.work[k / BLOCK];
+                // Each sphere's own, added up later: a sum would keep the loop from vector units.
                 let way = 0.5 * (step.last_dt * self.velocity[k] + dt * v);
-                work.damping += self.mass[k] * (undamped - a).dot(&way);
-                work.fluid += self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way));
+                let work = &mut self.work[k];
+                work.damping = self.mass[k] * (undamped - a).dot(&way);
+                work.fluid = self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way));
                 if EXTERNAL {
-                    work.external += self.external_force[k].dot(&way);
+                    work.external = self.external_force[k].dot(&way);
                 }
             }
             let [x, y, z, radius] = self.centre[k];
@@ -273,7 +274,7 @@ impl MoveSpan<'_> {
                 step.damping.damp(&mut a, &self.spin[k], dt);
                 let spin = self.spin[k] + dt * a;
                 if WORK {
-                    let work = &mut self.work[k / BLOCK];
+                    let work = &mut self.work[k];
                     let turn = 0.5 * (step.last_dt * self.spin[k] + dt * spin);
                     let inertia = 0.4 * self.mass[k] * radius * radius;
                     work.damping += inertia * (undamped - a).dot(&turn);

@@ -6,7 +6,7 @@ use super::error::DemError;
 use super::law::Losses;
 use super::material::finite;
 
-/// What the forces on the spheres of a block did in a step (J).
+/// What the forces on a sphere, or on all, did in a step, or in all (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct MotionWork {
     /// Taken by local damping.
@@ -15,6 +15,15 @@ pub(super) struct MotionWork {
     pub fluid: f64,
     /// Done by forces and torques that were added.
     pub external: f64,
+}
+
+impl MotionWork {
+    /// Adds another.
+    pub fn add(&mut self, other: &MotionWork) {
+        self.damping += other.damping;
+        self.fluid += other.fluid;
+        self.external += other.external;
+    }
 }
 
 /// What the films of fluid between neighbours took from the energy of motion (J), by cause.

@@ -66,6 +66,7 @@ mod rng;
 mod servo;
 mod sphere_pairs;
 mod state;
+mod stiffness_pass;
 mod stiffness_sum;
 mod system;
 mod time_step;

@@ -33,6 +33,11 @@ impl<L: ContactLaw> ParameterTable<L> {
         self.spheres[usize::from(first) * self.materials + usize::from(second)]
     }
 
+    /// Number of materials, which are no more than an index can tell.
+    pub fn materials(&self) -> u16 {
+        self.materials as u16
+    }
+
     /// Constants of a sphere of this material on a wall.
     #[inline(always)]
     pub fn wall(&self, material: u16) -> L::Parameters {

@@ -18,7 +18,7 @@ use super::pass::Forces;
 use super::pass_input::Input;
 use super::servo::WallResistance;
 use super::state::{ContactHistory, DemState};
-use super::stiffness_sum::StiffnessSum;
+use super::stiffness_pass::StiffnessScratch;
 use super::wall_pairs::WallSum;
 use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
 use crate::parallel::block_count;
@@ -81,11 +81,10 @@ pub struct Dem {
     pub(super) external: ExternalLoads,
     /// See [`Dem::track_energy`].
     pub(super) ledger: Option<Ledger>,
-    /// What forces did in the step, per block; empty where that is not tracked.
+    /// What forces did in the step, per sphere; empty where that is not tracked.
     pub(super) motion_work: Vec<MotionWork>,
-    /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
-    /// contacts, and rotational stiffness over r².
-    pub(super) stiffness: Vec<StiffnessSum>,
+    /// Scratch of [`Dem::contact_time_step`].
+    pub(super) stiffness: StiffnessScratch,
 }
 
 impl Dem {
@@ -227,7 +226,7 @@ impl Dem {
             external: ExternalLoads::default(),
             ledger,
             motion_work: vec![],
-            stiffness: vec![],
+            stiffness: StiffnessScratch::default(),
             particles,
             walls,
             cell,
@@ -244,7 +243,7 @@ impl Dem {
         dem.forces.torque.resize(dem.particles.len(), Vec3::zeros());
         if ledger.is_some() {
             dem.forces.losses = vec![Losses::default(); block_count(dem.particles.len())];
-            dem.motion_work = vec![MotionWork::default(); block_count(dem.particles.len())];
+            dem.motion_work = vec![MotionWork::default(); dem.particles.len()];
         }
         dem.keep_in_cell(0.0);
         dem.rebuild()?;

@@ -22,7 +22,7 @@ pub enum Needs {
 
 /// Stiffnesses of a contact (N/m), as the bound of the time step, servo walls
 /// and observations take them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stiffness {
     /// Along the normal.
     pub normal: f64,
