@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeEffects;
 use super::error::Result;
 use crate::dem::DemError;
 use crate::pfv::ImposedPressure;
@@ -46,6 +47,8 @@ pub struct FluidEffects {
     pub sources: Vec<PoreSource>,
     /// Mean pressure gradient through a periodic cell (Pa/m).
     pub pressure_gradient: Option<Vec3>,
+    /// Forces between neighbours.
+    pub edges: EdgeEffects,
 }
 
 impl FluidEffects {

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeState;
 use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
 use crate::pfv::Extrapolation;
@@ -65,6 +66,8 @@ pub(super) struct FluidState {
     pub solved_by: Option<String>,
     /// What the next network is being built from.
     pub pending: Option<Snapshot>,
+    /// The forces between neighbours, where there are any.
+    pub edges: Option<EdgeState>,
     /// What bounds the automatic time step, as far as it is known.
     pub fastest: FastestMode,
 }

@@ -1,5 +1,6 @@
 //! What can be seen of a simulation between two steps.
 
+use super::active_network::ActiveNetwork;
 use super::coupled::Coupled;
 use crate::pfv::Flow;
 use crate::{Axis, Tensor, Vec3, WallId};
@@ -90,7 +91,8 @@ impl Coupled {
         let dem = &self.dem;
         let bounds = dem.box_();
         let flow = self.storage_flow();
-        let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
+        let network = self.remesher.current.as_ref();
+        let fluid_force = network.map(ActiveNetwork::wall_force).unwrap_or_default();
         let stress = |force: Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
         let contact_force = dem.wall_force();
         let largest_pressure =
@@ -116,7 +118,7 @@ impl Coupled {
     /// Mean resultant force on the spheres, the fluid's included, over the
     /// mean contact force (1).
     pub fn unbalanced_force(&self) -> f64 {
-        self.dem.force_ratio(self.storage_flow().map(|f| f.force()))
+        self.dem.force_ratio(self.storage_fluid_force())
     }
 
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
@@ -131,7 +133,8 @@ impl Coupled {
 
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
-        let fluid = self.storage_flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
+        let network = self.remesher.current.as_ref();
+        let fluid = network.map_or(Vec3::zeros(), |network| network.wall_force()[wall.index()]);
         let force = self.dem.wall_force()[wall] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
@@ -139,8 +142,8 @@ impl Coupled {
     /// The fluid's force on each sphere in the last step (N), by the user's
     /// numbers; zero where the pores are empty.
     pub fn fluid_force(&self) -> Vec<Vec3> {
-        match self.storage_flow() {
-            Some(flow) => self.dem.numbered(flow.force()),
+        match self.storage_fluid_force() {
+            Some(force) => self.dem.numbered(force),
             None => vec![Vec3::zeros(); self.dem.len()],
         }
     }

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use super::active_network::{ActiveNetwork, PRESSURE_ERROR, impose};
 use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
+use super::edges::{EdgeForces, Films};
 use super::error::{CouplingError, Result};
 use super::fluid_state::{FluidState, Snapshot};
 use super::gpu_use::GpuUse;
@@ -44,6 +45,7 @@ pub(super) struct Remesher {
 /// What is left of a network that made room.
 struct Retired {
     pressures: TransferSource,
+    films: Option<Films>,
     state: FluidState,
 }
 
@@ -116,12 +118,17 @@ impl Remesher {
     }
 
     /// Puts a network into use.
-    fn put_to_use(&mut self, mut flow: Flow, state: FluidState) -> Result<()> {
+    fn put_to_use(
+        &mut self,
+        mut flow: Flow,
+        edges: Option<EdgeForces>,
+        state: FluidState,
+    ) -> Result<()> {
         let follows = self.acceleration.update == Update::EveryStep;
         if let Some(tolerance) = self.tolerance.or(follows.then_some(PRESSURE_ERROR)) {
             flow.set_tolerance(tolerance)?;
         }
-        self.current = Some(ActiveNetwork::new(flow, state));
+        self.current = Some(ActiveNetwork::new(flow, edges, state));
         Ok(())
     }
 
@@ -314,8 +321,9 @@ impl Remesher {
     fn make_room(&mut self) {
         if let Some(network) = self.current.take() {
             let state = network.saved();
+            let films = network.edges.map(EdgeForces::retire);
             let (pressures, reusable) = network.flow.retire();
-            self.retired = Some(Retired { pressures, state });
+            self.retired = Some(Retired { pressures, films, state });
             self.source.keep(reusable);
         }
     }
@@ -352,9 +360,13 @@ impl Remesher {
         impose(&mut flow, context.effects.wall_pressures(context.time))?;
         load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
-        if let Some(Retired { pressures, state }) = self.retired.take() {
+        let mut edges = edges_of(&flow, &snapshot, &context)?;
+        if let Some(Retired { pressures, films, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
+            if let (Some(edges), Some(films)) = (&mut edges, &films) {
+                edges.take_over(films);
+            }
             self.counts.replaced(context.step.saturating_sub(state.snapshot.step));
         }
         let volume_change = match context.saturation.remesh.strain {
@@ -377,9 +389,13 @@ impl Remesher {
             extrapolation: Extrapolation::default(),
             solved_by: None,
             pending: None,
+            edges: None,
             fastest,
         };
-        self.put_to_use(flow, state)?;
+        if let Some(edges) = &mut edges {
+            edges.join(flow.force());
+        }
+        self.put_to_use(flow, edges, state)?;
         self.source.auto_interval.swapped();
         phases.add(Phase::Swap, start.elapsed());
         Ok(())
@@ -451,7 +467,8 @@ impl Remesher {
             // From here on the matrix must be the one that was factored.
             state.followed = None;
         }
-        self.put_to_use(flow, state)?;
+        let edges = edges_of(&flow, &state.snapshot, &context)?;
+        self.put_to_use(flow, edges, state)?;
         if let Some(network) = &mut self.current {
             impose(&mut network.flow, context.effects.wall_pressures(context.time))?;
             load(&mut network.flow, &context)?;
@@ -477,6 +494,16 @@ fn load(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
         flow.move_with_spheres(&context.dem.storage().mass)?;
     }
     Ok(())
+}
+
+/// The edges of a new network, where they carry forces.
+fn edges_of(
+    flow: &Flow,
+    snapshot: &Snapshot,
+    context: &RemeshContext,
+) -> Result<Option<EdgeForces>> {
+    let network = (flow.network(), context.saturation.fluid.slip_walls);
+    EdgeForces::new(&context.effects.edges, network, &snapshot.position, context.dem)
 }
 
 /// What each pore has grown by since the positions that its network was built of (m³).

@@ -13,7 +13,7 @@ use super::cell_pass::CellPass;
 use super::compiled::Touch;
 use super::contacts::{Other, Place};
 use super::law::Losses;
-use super::ledger::{Ledger, MotionWork};
+use super::ledger::{FilmLosses, Ledger, MotionWork};
 use super::system::Dem;
 use super::touch_change::slip;
 use crate::parallel::{block_count, sum_of};
@@ -58,7 +58,19 @@ pub struct EnergyBalance {
     pub touch_change: f64,
     /// Dissipated by local damping.
     pub local_damping: f64,
-    /// Work of the fluid on the spheres.
+    /// Dissipated between neighbours by viscous shear of the fluid.
+    pub viscous_shear: f64,
+    /// Dissipated by films that are squeezed out.
+    pub normal_lubrication: f64,
+    /// Dissipated by films that are sheared.
+    pub shear_lubrication: f64,
+    /// Dissipated by spheres that roll on each other in a fluid.
+    pub pump_torque: f64,
+    /// Dissipated by spheres that twist against each other in a fluid.
+    pub twist_torque: f64,
+    /// Elastic energy of surfaces that films press, less what there was when tracking began.
+    pub film_elastic: f64,
+    /// Work of the fluid's pressures on the spheres.
     pub fluid_work: f64,
     /// Work of the walls on the spheres.
     pub wall_work: f64,
@@ -90,6 +102,11 @@ impl EnergyBalance {
             + self.breakage
             + self.touch_change
             + self.local_damping
+            + self.viscous_shear
+            + self.normal_lubrication
+            + self.shear_lubrication
+            + self.pump_torque
+            + self.twist_torque
     }
 }
 
@@ -104,9 +121,10 @@ impl Dem {
         if on {
             // What dashpots do in the second half of the last step is booked in the next.
             let began_with = self.energy_now().iter().sum::<f64>() + self.damping_half_way();
-            let (losses, work) = Default::default();
-            self.ledger =
-                Some(Ledger { began_with, losses, work, walls: 0.0, cell: 0.0, last_dt: 0.0 });
+            let (losses, work, films) = Default::default();
+            let ledger =
+                Ledger { began_with, losses, work, films, walls: 0.0, cell: 0.0, last_dt: 0.0 };
+            self.ledger = Some(ledger);
         }
     }
 
@@ -117,7 +135,7 @@ impl Dem {
 
     /// Energy by cause since [`Dem::track_energy`]; `None` where it is not tracked.
     pub fn energy_balance(&self) -> Option<EnergyBalance> {
-        let Ledger { began_with, losses, work, walls, cell, .. } = self.ledger.as_ref()?;
+        let Ledger { began_with, losses, work, films, walls, cell, .. } = self.ledger.as_ref()?;
         let [translation, rotation, elastic, gravity] = self.energy_now();
         let mut balance = EnergyBalance {
             translation,
@@ -130,6 +148,12 @@ impl Dem {
             breakage: losses.breakage,
             touch_change: losses.touch_change,
             local_damping: work.damping,
+            viscous_shear: films.viscous_shear,
+            normal_lubrication: films.normal_lubrication,
+            shear_lubrication: films.shear_lubrication,
+            pump_torque: films.pump_torque,
+            twist_torque: films.twist_torque,
+            film_elastic: films.elastic,
             fluid_work: work.fluid,
             wall_work: *walls,
             cell_work: *cell,
@@ -137,7 +161,7 @@ impl Dem {
             motion_work: work.motion,
             residual: 0.0,
         };
-        let now = translation + rotation + elastic + gravity;
+        let now = translation + rotation + elastic + gravity + films.elastic;
         let around = balance.wall_work + balance.cell_work;
         let done = balance.fluid_work + around + (balance.external_work + balance.motion_work);
         balance.residual = (now - began_with) + (balance.dissipated() - done);
@@ -248,7 +272,7 @@ impl Dem {
     }
 
     /// Length of the step before one of `dt`, where that is known (s).
-    pub(super) fn last_dt(&self, dt: f64) -> f64 {
+    pub(crate) fn last_dt(&self, dt: f64) -> f64 {
         self.ledger.map_or(dt, |ledger| if ledger.last_dt > 0.0 { ledger.last_dt } else { dt })
     }
 
@@ -267,6 +291,15 @@ impl Dem {
         if let Some(ledger) = &mut self.ledger {
             ledger.cell += now - before;
         }
+    }
+
+    /// Books what the films between neighbours took, of which the walls gave `by_walls` (J). It was part
+    /// of the fluid's work.
+    pub(crate) fn book_films(&mut self, losses: &FilmLosses, by_walls: f64) {
+        let Some(ledger) = &mut self.ledger else { return };
+        ledger.films.join(losses);
+        ledger.walls += by_walls;
+        ledger.work.fluid += losses.dissipated() + losses.elastic - by_walls;
     }
 
     /// Books what forces and walls did in the step; `before` has the walls' velocities before it.

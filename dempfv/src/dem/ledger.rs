@@ -29,6 +29,40 @@ impl MotionWork {
     }
 }
 
+/// What the films of fluid between neighbours took from the energy of motion (J), by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FilmLosses {
+    pub viscous_shear: f64,
+    pub normal_lubrication: f64,
+    pub shear_lubrication: f64,
+    pub pump_torque: f64,
+    pub twist_torque: f64,
+    /// Held by the springs in series with the films.
+    pub elastic: f64,
+}
+
+impl FilmLosses {
+    /// Adds those of others.
+    pub fn join(&mut self, other: &FilmLosses) {
+        self.viscous_shear += other.viscous_shear;
+        self.normal_lubrication += other.normal_lubrication;
+        self.shear_lubrication += other.shear_lubrication;
+        self.pump_torque += other.pump_torque;
+        self.twist_torque += other.twist_torque;
+        self.elastic += other.elastic;
+    }
+
+    /// What was dissipated.
+    pub fn dissipated(&self) -> f64 {
+        let FilmLosses { viscous_shear, normal_lubrication, shear_lubrication, .. } = self;
+        viscous_shear
+            + normal_lubrication
+            + shear_lubrication
+            + self.pump_torque
+            + self.twist_torque
+    }
+}
+
 /// The sums since tracking began. What a checkpoint holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ledger {
@@ -36,6 +70,7 @@ pub(super) struct Ledger {
     pub began_with: f64,
     pub losses: Losses,
     pub work: MotionWork,
+    pub films: FilmLosses,
     /// Done by the walls.
     pub walls: f64,
     /// Done by the periodic cell.
@@ -46,9 +81,10 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
-        let Ledger { began_with, losses, work, walls, cell, last_dt } = self;
+        let Ledger { began_with, losses, work, films, walls, cell, last_dt } = self;
         let MotionWork { damping, fluid, external, motion } = work;
-        let works = [*damping, *fluid, *external, *motion, *walls, *cell];
+        let films = films.dissipated() + films.elastic;
+        let works = [*damping, *fluid, *external, *motion, *walls, *cell, films];
         let rest = [*began_with, losses.total(), *last_dt];
         works.into_iter().chain(rest).try_for_each(|energy| finite("energy ledger", energy))
     }

@@ -20,6 +20,7 @@ mod cell_tessellation;
 mod centroid;
 mod clamp;
 mod drag;
+mod edges;
 mod error;
 mod extrapolation;
 mod flat_pores;
@@ -61,6 +62,7 @@ mod transfer;
 mod viscous;
 mod void_volume;
 
+pub(crate) use edges::EdgeList;
 pub(crate) use packing_check::check_tolerance;
 pub(crate) use periodic::cell_corners;
 

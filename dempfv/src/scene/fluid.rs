@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
 use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, Vector, number, quoted};
+use super::lubrication;
 use super::region::{ImposedRegion, SourceRegion};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
@@ -53,6 +54,13 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "imposed",
         "sources",
         "pressure_gradient",
+        "viscous_shear",
+        "normal_lubrication",
+        "shear_lubrication",
+        "pump_torque",
+        "twist_torque",
+        "eps",
+        "lubrication_stiffness",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -144,6 +152,7 @@ impl Keyed for Fluid {
         keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
         keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
         keys.take("pressure_gradient", &Maybe(Vector("Pa/m")), &mut effects.pressure_gradient)?;
+        lubrication::keys(keys, &mut effects.edges)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),

@@ -15,6 +15,7 @@ mod difference;
 mod fluid;
 mod keys;
 mod kind;
+mod lubrication;
 mod materials;
 mod motion;
 mod nearest;

@@ -10,6 +10,7 @@ use super::contacts::{Contacts, NormalLaw};
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
+use super::lubrication;
 use super::materials::{self, OtherMaterial, Pair};
 use super::motion::GivenMotion;
 use super::output::{self, Output};
@@ -205,9 +206,14 @@ impl Plan {
         self.body_rules()?;
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
+        let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
+            let edges = &fluid.effects.edges;
             let walls = coupled.filter(|_| self.cell.is_none());
-            walls.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+            let undetermined = walls.and_then(|s| fluid.undetermined_in(&s.name));
+            undetermined
+                .or(fluid.weightless(gravity))
+                .or_else(|| lubrication::wrong_in(edges, coupled.is_some(), turns))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -244,6 +250,12 @@ impl Plan {
                 "motion",
                 "[[motion]] stands beside [cell]",
                 "put walls around: spheres move with a periodic cell",
+            ),
+            (
+                self.fluid.as_ref().is_some_and(|fluid| fluid.effects.edges.any()),
+                "fluid",
+                "viscous shear or lubrication in [fluid] stands beside [cell]",
+                "put walls around: there are no forces between neighbours across a periodic cell",
             ),
             (
                 gravity,
@@ -463,6 +475,7 @@ impl Plan {
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
         effects.extend(Fluid::effects(flow, coupled, self.cell.is_some()));
+        effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

@@ -51,6 +51,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     }
     if output.energy {
         names.extend(ENERGY.map(|(name, _)| name.to_owned()));
+        if has_films(plan) {
+            names.extend(FILMS.map(|(name, _)| name.to_owned()));
+        }
     }
     names.extend((1..=output.probes.len()).map(|k| format!("probe_{k}_pressure_pa")));
     names.extend(
@@ -93,6 +96,21 @@ const ENERGY: [(&str, EnergyTerm); 11] = [
     ("cell_work_j", |b| b.cell_work),
     ("energy_residual_j", |b| b.residual),
 ];
+
+/// What the fluid between neighbours took, where it acts on them.
+const FILMS: [(&str, EnergyTerm); 6] = [
+    ("viscous_shear_loss_j", |b| b.viscous_shear),
+    ("normal_lubrication_loss_j", |b| b.normal_lubrication),
+    ("shear_lubrication_loss_j", |b| b.shear_lubrication),
+    ("pump_torque_loss_j", |b| b.pump_torque),
+    ("twist_torque_loss_j", |b| b.twist_torque),
+    ("film_energy_j", |b| b.film_elastic),
+];
+
+/// Whether the fluid of a plan acts between neighbours.
+fn has_films(plan: &Plan) -> bool {
+    plan.fluid.as_ref().is_some_and(|fluid| fluid.effects.edges.any())
+}
 
 /// Components of a tensor, by rows.
 const COMPONENTS: [&str; 9] = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
@@ -145,6 +163,9 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         let balance = simulation.coupled().dem().energy_balance();
         let term = |of: EnergyTerm| balance.as_ref().map_or(f64::NAN, of);
         values.extend(ENERGY.map(|(_, of)| Value::from(term(of))));
+        if has_films(simulation.plan()) {
+            values.extend(FILMS.map(|(_, of)| Value::from(term(of))));
+        }
     }
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();

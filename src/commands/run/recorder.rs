@@ -155,7 +155,7 @@ impl Frames {
         let (step, time) = (simulation.step(), simulation.time());
         let coupled = simulation.coupled();
         let particles = coupled.dem().storage();
-        let fluid = coupled.storage_flow().map(|f| f.force());
+        let fluid = coupled.storage_fluid_force();
         let force: Vec<Vec3> = match fluid {
             Some(fluid) => {
                 coupled.dem().storage_forces().iter().zip(fluid).map(|(a, b)| a + b).collect()
