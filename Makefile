@@ -108,7 +108,7 @@ compare-yade: build install-yade ## Run YADE on the same input, side by side; wr
 # The comparison on the two smallest packings, times left out; fails where a bound does.
 yade-test: build install-yade
 	$(DEMPFV) compare yade packings/oedometer-1000.txt packings/oedometer-5000.txt \
-	    --part network --part dry --part coupled --out out/yade-test --force
+	    --part network --part edges --part dry --part coupled --out out/yade-test --force
 
 # Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
 # included. One thread for OpenBLAS: its others are valgrind's to run in turn.

@@ -139,7 +139,7 @@ impl Clumps {
             rigid.advance(p, (loads, step), strokes, tracks);
         });
         if let Some(work) = work {
-            self.rigid.iter().for_each(|rigid| work.add(&rigid.course.work));
+            self.rigid.iter().for_each(|rigid| work.join(&rigid.course.work));
         }
         let (mut farthest2, mut sum) = (0.0f64, 0.0);
         for Rigid { body, places, course, .. } in &self.rigid {
@@ -222,9 +222,9 @@ impl Rigid {
         for (&k, at) in places.iter().zip(&body.places) {
             let now = body.velocity + course.turn.way_to(&(rotation * at)) / step.dt;
             let way = half_ways(&particles.velocity[k], &now);
-            let (fluid, added, added_torque) = on_sphere(loads, k);
-            work.fluid += fluid.dot(&way);
-            work.external += added.dot(&way) + added_torque.dot(&turn);
+            let on = on_sphere(loads, k);
+            work.fluid += on.fluid.dot(&way) + on.fluid_torque.dot(&turn);
+            work.external += on.added.dot(&way) + on.added_torque.dot(&turn);
             by_contacts += loads.force[k].dot(&way) + loads.torque[k].dot(&turn);
         }
         work.damping = damped.0.dot(&way) + damped.1.dot(&turn);
@@ -241,10 +241,11 @@ impl Rigid {
         let rotation = self.body.orientation.to_rotation_matrix();
         let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
         for (&k, at) in self.places.iter().zip(&self.body.places) {
-            let (fluid, added, added_torque) = on_sphere(loads, k);
-            let on_member = loads.force[k] + fluid + added;
+            let on = on_sphere(loads, k);
+            let on_member = loads.force[k] + on.fluid + on.added;
             force += on_member;
-            torque += loads.torque[k] + added_torque + (rotation * at).cross(&on_member);
+            torque += loads.torque[k] + on.fluid_torque + on.added_torque;
+            torque += (rotation * at).cross(&on_member);
         }
         (force, torque)
     }

@@ -2,11 +2,10 @@
 
 use super::error::DemError;
 use super::held::Held;
-use super::integrate::{Loads, Step, first_not_finite};
+use super::integrate::{FluidLoads, Loads, Step, first_not_finite};
 use super::material::finite;
 use super::motion::Motion;
 use super::system::Dem;
-use crate::Vec3;
 
 impl Dem {
     /// Gives the spheres with these numbers a motion from now on, whatever acts on them; a clump moves
@@ -79,14 +78,12 @@ impl Dem {
 
     /// Moves clumps and spheres whose motion is given by one time step. Returns the farthest way that one
     /// went (m).
-    pub(super) fn move_held(
-        &mut self,
-        step: Step,
-        fluid: Option<&[Vec3]>,
-    ) -> Result<f64, DemError> {
+    pub(super) fn move_held(&mut self, step: Step, fluid: FluidLoads<'_>) -> Result<f64, DemError> {
         let Dem { held, particles, centre, forces, external, motion_work, .. } = self;
         let (force, torque) = (&forces.force[..], &forces.torque[..]);
-        let loads = Loads { force, torque, fluid, external: external.get(), held: &[] };
+        let external = external.get();
+        let (fluid, fluid_torque) = (fluid.force, fluid.torque);
+        let loads = Loads { force, torque, fluid, fluid_torque, external, held: &[] };
         let work = motion_work.first_mut();
         let way = held.advance(particles, centre, (loads, &step), work);
         if way.is_nan() { Err(first_not_finite(particles, loads)) } else { Ok(way) }

@@ -210,6 +210,26 @@ pub enum DemError {
         /// Largest radius (m).
         largest: f64,
     },
+    /// A periodic cell that deforms too much in a step.
+    #[error(
+        "the cell's velocity gradient L_{a}{b} = {rate:e} /s makes a strain of {strain:.3e} in one time step of \
+         {dt:.3e} s; at most {most} leaves contacts time to act: give a smaller rate, or a smaller time step",
+        a = AXES[*first], b = AXES[*second]
+    )]
+    CellStrainPerStep {
+        /// The component's two axes.
+        first: usize,
+        /// See above.
+        second: usize,
+        /// Its value (1/s).
+        rate: f64,
+        /// Length of the step (s).
+        dt: f64,
+        /// Their product (1).
+        strain: f64,
+        /// What is allowed (1).
+        most: f64,
+    },
     /// A shear stress is prescribed by both its components.
     #[error(
         "the stress on the cell is given for {a}{b} and for {b}{a}: it is symmetric; give one, and a rate \

@@ -5,9 +5,9 @@ use super::error::DemError;
 use super::external::ExternalLoads;
 use super::ledger::MotionWork;
 use super::particles::Particles;
-use crate::Vec3;
 use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 use crate::{Effect, EffectKey, Family};
+use crate::{PerWall, Vec3};
 
 /// What this effect says of itself.
 pub const ROTATION: Effect = Effect {
@@ -52,12 +52,24 @@ pub(super) struct Loads<'a> {
     /// Force and torque of the contacts (N, N m).
     pub force: &'a [Vec3],
     pub torque: &'a [Vec3],
-    /// Force of the fluid (N), if there is one.
+    /// Force and torque of the fluid (N, N m), if there is one.
     pub fluid: Option<&'a [Vec3]>,
+    pub fluid_torque: Option<&'a [Vec3]>,
     /// What a user adds, if anything.
     pub external: Option<&'a ExternalLoads>,
     /// Which spheres others move; empty where none.
     pub held: &'a [bool],
+}
+
+/// What a fluid puts on spheres, in storage order, and walls.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FluidLoads<'a> {
+    /// Force on each sphere (N).
+    pub force: Option<&'a [Vec3]>,
+    /// Torque on each sphere (N m).
+    pub torque: Option<&'a [Vec3]>,
+    /// Force on each wall (N).
+    pub on_walls: Option<&'a PerWall<Vec3>>,
 }
 
 /// What a step found.
@@ -94,6 +106,7 @@ pub(super) fn advance(
         force: loads.force,
         torque: loads.torque,
         fluid: loads.fluid.unwrap_or(&[]),
+        fluid_torque: loads.fluid_torque.unwrap_or(&[]),
         external_force: loads.external.map_or(&[], |e| &e.force),
         external_torque: loads.external.map_or(&[], |e| &e.torque),
         held: loads.held,
@@ -124,6 +137,7 @@ struct MoveSpan<'a> {
     torque: &'a [Vec3],
     /// Empty without fluid.
     fluid: &'a [Vec3],
+    fluid_torque: &'a [Vec3],
     /// Empty without external loads.
     external_force: &'a [Vec3],
     external_torque: &'a [Vec3],
@@ -148,6 +162,7 @@ impl Span for MoveSpan<'_> {
         let force = cut(self.force, n);
         let torque = cut(self.torque, n);
         let fluid = cut(self.fluid, n);
+        let fluid_torque = cut(self.fluid_torque, n);
         let external_force = cut(self.external_force, n);
         let external_torque = cut(self.external_torque, n);
         let held = cut(self.held, n);
@@ -162,6 +177,7 @@ impl Span for MoveSpan<'_> {
                 force: force.0,
                 torque: torque.0,
                 fluid: fluid.0,
+                fluid_torque: fluid_torque.0,
                 external_force: external_force.0,
                 external_torque: external_torque.0,
                 held: held.0,
@@ -176,6 +192,7 @@ impl Span for MoveSpan<'_> {
                 force: force.1,
                 torque: torque.1,
                 fluid: fluid.1,
+                fluid_torque: fluid_torque.1,
                 external_force: external_force.1,
                 external_torque: external_torque.1,
                 held: held.1,
@@ -267,6 +284,9 @@ impl MoveSpan<'_> {
             let mut sum = speed2 + x.norm_squared();
             if ROTATION {
                 let mut torque = self.torque[k];
+                if let Some(fluid) = self.fluid_torque.get(k) {
+                    torque += fluid;
+                }
                 if EXTERNAL {
                     torque += self.external_torque[k];
                 }
@@ -280,6 +300,7 @@ impl MoveSpan<'_> {
                     let turn = 0.5 * (step.last_dt * self.spin[k] + dt * spin);
                     let inertia = 0.4 * self.mass[k] * radius * radius;
                     work.damping += inertia * (undamped - a).dot(&turn);
+                    work.fluid += self.fluid_torque.get(k).map_or(0.0, |fluid| fluid.dot(&turn));
                     if EXTERNAL {
                         work.external += self.external_torque[k].dot(&turn);
                     }
@@ -301,6 +322,7 @@ pub(super) fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemEr
     for (i, &particle) in particles.id.iter().enumerate() {
         for (quantity, values) in [
             ("the fluid force", fluid),
+            ("the fluid torque", loads.fluid_torque.unwrap_or(&[])),
             ("the external force", external(|e| &e.force)),
             ("the external torque", external(|e| &e.torque)),
             ("the contact force", loads.force),

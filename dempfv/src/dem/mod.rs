@@ -86,6 +86,9 @@ mod walls;
 mod with_effects;
 
 pub(crate) use contact_forces::ContactForces;
+pub(crate) use integrate::FluidLoads;
+pub(crate) use ledger::FilmLosses;
+pub(crate) use stiffness_sum::StiffnessSum;
 
 pub use cell::{CellControl, CellControls, PeriodicCell};
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};

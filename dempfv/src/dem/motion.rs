@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
-use super::external::ExternalLoads;
 use super::integrate::{Loads, Step};
 use super::ledger::MotionWork;
 use super::material::finite;
@@ -228,12 +227,12 @@ pub(super) fn drive(
         if let Some(work) = &mut work {
             let way = 0.5 * (step.last_dt * old.0 + step.dt * velocity);
             let turn = 0.5 * (step.last_dt * old.1 + step.dt * stroke.spin);
-            let (fluid, force, torque) = on_sphere(loads, k);
+            let on = on_sphere(loads, k);
             let inertia = 0.4 * mass * radius * radius;
             let kinetic = 0.5 * mass * (velocity.norm_squared() - old.0.norm_squared())
                 + 0.5 * inertia * (stroke.spin.norm_squared() - old.1.norm_squared());
-            let by_fluid = fluid.dot(&way);
-            let by_external = force.dot(&way) + torque.dot(&turn);
+            let by_fluid = on.fluid.dot(&way) + on.fluid_torque.dot(&turn);
+            let by_external = on.added.dot(&way) + on.added_torque.dot(&turn);
             let by_contacts = loads.force[k].dot(&way) + loads.torque[k].dot(&turn);
             let by_gravity = mass * step.gravity.dot(&way);
             work.fluid += by_fluid;
@@ -251,9 +250,20 @@ pub(super) fn drive(
 }
 
 /// Force of the fluid, and force and torque that were added, on the sphere at place `k` (N, N m).
-pub(super) fn on_sphere(loads: Loads<'_>, k: usize) -> (Vec3, Vec3, Vec3) {
-    let fluid = loads.fluid.map_or(Vec3::zeros(), |f| f[k]);
-    let added =
-        |of: fn(&ExternalLoads) -> &[Vec3]| loads.external.map_or(Vec3::zeros(), |e| of(e)[k]);
-    (fluid, added(|e| &e.force), added(|e| &e.torque))
+pub(super) fn on_sphere(loads: Loads<'_>, k: usize) -> OnSphere {
+    let of = |loads: Option<&[Vec3]>| loads.map_or(Vec3::zeros(), |loads| loads[k]);
+    OnSphere {
+        fluid: of(loads.fluid),
+        fluid_torque: of(loads.fluid_torque),
+        added: of(loads.external.map(|e| &e.force[..])),
+        added_torque: of(loads.external.map(|e| &e.torque[..])),
+    }
+}
+
+/// What is put on a sphere beside contacts: forces (N) and torques (N m).
+pub(super) struct OnSphere {
+    pub fluid: Vec3,
+    pub fluid_torque: Vec3,
+    pub added: Vec3,
+    pub added_torque: Vec3,
 }

@@ -9,7 +9,7 @@ use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
 use super::held::Held;
-use super::integrate::{Loads, Step, advance};
+use super::integrate::{FluidLoads, Loads, Step, advance};
 use super::law::{ContactLaw, Linear, Losses, Needs};
 use super::ledger::{Ledger, MotionWork};
 use super::material::{Material, MaterialPair, WallMaterial, finite, positive};
@@ -372,15 +372,27 @@ impl Dem {
         fluid_force: Option<&[Vec3]>,
         fluid_wall_force: Option<&PerWall<Vec3>>,
     ) -> Result<(), DemError> {
+        let torque = None;
+        self.integrate_under(
+            dt,
+            FluidLoads { force: fluid_force, torque, on_walls: fluid_wall_force },
+        )
+    }
+
+    /// [`Dem::integrate`] with a fluid that turns the spheres, too.
+    pub(crate) fn integrate_under(&mut self, dt: f64, fluid: FluidLoads) -> Result<(), DemError> {
         positive("time step", dt)?;
-        if let Some(force) = fluid_force {
-            require_length("fluid force", force.len(), self.particles.len())?;
+        for (name, load) in [("fluid force", fluid.force), ("fluid torque", fluid.torque)] {
+            if let Some(load) = load {
+                require_length(name, load.len(), self.particles.len())?;
+            }
         }
-        let on_walls = fluid_wall_force.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
+        let on_walls = fluid.on_walls.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         let wall_velocity = self.walls.map(|wall| wall.velocity);
-        self.move_cell(dt, fluid_wall_force)?;
-        let turned = self.law.needs() == Needs::Torques || self.external.turns();
+        self.move_cell(dt, fluid.on_walls)?;
+        let turned =
+            self.law.needs() == Needs::Torques || self.external.turns() || fluid.torque.is_some();
         let step = Step {
             dt,
             last_dt: self.last_dt(dt),
@@ -391,7 +403,8 @@ impl Dem {
         let loads = Loads {
             force: &self.forces.force,
             torque: &self.forces.torque,
-            fluid: fluid_force,
+            fluid: fluid.force,
+            fluid_torque: fluid.torque,
             external: self.external.get(),
             held: self.held.mask(),
         };
@@ -399,7 +412,7 @@ impl Dem {
             (&mut self.particles, &mut self.centre, &mut self.motion_work);
         let mut farthest = advance(particles, centre, loads, step, work)?;
         if !loads.held.is_empty() {
-            farthest = farthest.max(self.move_held(step, fluid_force)?);
+            farthest = farthest.max(self.move_held(step, fluid)?);
         }
         self.book_work(dt, &wall_velocity);
         self.external.clear();

@@ -10,6 +10,7 @@ use super::contacts::{Contacts, NormalLaw};
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
+use super::lubrication;
 use super::materials::{self, OtherMaterial, Pair};
 use super::motion::GivenMotion;
 use super::output::{self, Output};
@@ -46,6 +47,10 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
     "output",
 ]);
 pub(super) static BOX: Schema = Schema::table("[box]", &["min", "max"]);
+
+/// What is said of walls in a cell, and what would be right.
+pub(super) const WALLS_IN_CELL: (&str, &str) =
+    ("[walls] stands beside [cell]", "leave it out: a cell has no walls");
 
 /// A scene: what is simulated, with which numbers, in which order.
 ///
@@ -180,6 +185,11 @@ impl Plan {
 
     /// Checks the parts against each other.
     pub(super) fn rules(&self) -> Result<(), Fault> {
+        let around = self.fluid.as_ref().and_then(|f| f.wrong_around(self.cell.is_some()));
+        if let Some(Wrong { problem, remedy }) = around {
+            let what = format!("[fluid] {problem}");
+            return Err(Fault { place: Place::Table("fluid"), what, remedy });
+        }
         self.rules_of_cell()?;
         for (i, stage) in self.stages.iter().enumerate() {
             let earlier = &self.stages[..i];
@@ -196,8 +206,14 @@ impl Plan {
         self.body_rules()?;
         let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
+        let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
-            coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+            let edges = &fluid.effects.edges;
+            let walls = coupled.filter(|_| self.cell.is_none());
+            let undetermined = walls.and_then(|s| fluid.undetermined_in(&s.name));
+            undetermined
+                .or(fluid.weightless(gravity))
+                .or_else(|| lubrication::wrong_in(edges, coupled.is_some(), turns))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -222,18 +238,7 @@ impl Plan {
                 "[box] stands beside [cell]",
                 "keep one: a cell has no walls",
             ),
-            (
-                !unsaid.contains(&self.walls),
-                "walls",
-                "[walls] stands beside [cell]",
-                "leave it out: a cell has no walls",
-            ),
-            (
-                self.fluid.is_some(),
-                "fluid",
-                "[fluid] stands beside [cell]: there is no flow across its faces yet",
-                "leave one of the two out",
-            ),
+            (!unsaid.contains(&self.walls), "walls", WALLS_IN_CELL.0, WALLS_IN_CELL.1),
             (
                 self.particles.clump.is_some(),
                 "particles",
@@ -245,6 +250,12 @@ impl Plan {
                 "motion",
                 "[[motion]] stands beside [cell]",
                 "put walls around: spheres move with a periodic cell",
+            ),
+            (
+                self.fluid.as_ref().is_some_and(|fluid| fluid.effects.edges.any()),
+                "fluid",
+                "viscous shear or lubrication in [fluid] stands beside [cell]",
+                "put walls around: there are no forces between neighbours across a periodic cell",
             ),
             (
                 gravity,
@@ -264,6 +275,18 @@ impl Plan {
             if let Some(Wrong { problem, remedy }) = cell.wrong_with(sizes.largest(), mean) {
                 let what = format!("[cell] {problem}");
                 return Err(Fault { place: Place::Table("cell"), what, remedy });
+            }
+        }
+        let effects = self.granular();
+        let pulls = effects.bonds.is_some() || effects.adhesion.is_some();
+        let young = self.particles.material.young;
+        for (i, stage) in self.stages.iter().enumerate() {
+            let closed = self.fluid.as_ref().is_some_and(|fluid| !fluid.effects.store());
+            let wrong = stage.cell_stress_wrong(young, pulls);
+            let wrong = wrong.or_else(|| stage.volume_wrong().filter(|_| closed));
+            if let Some(Wrong { problem, remedy }) = wrong {
+                let what = format!("stage \"{}\" {problem}", stage.name);
+                return Err(Fault { place: Place::Stage(i), what, remedy });
             }
         }
         Ok(())
@@ -451,7 +474,8 @@ impl Plan {
         effects.extend(GivenMotion::described(&self.motions, contacts));
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
-        effects.extend(Fluid::effects(flow, coupled));
+        effects.extend(Fluid::effects(flow, coupled, self.cell.is_some()));
+        effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

@@ -166,7 +166,9 @@ impl Plan {
         table("[particles]", self.particles.write());
         self.other_materials.iter().for_each(|m| table("[[material]]", m.write()));
         self.pairs.iter().for_each(|pair| table("[[pair]]", pair.write()));
-        table("[walls]", self.walls.write());
+        if self.cell.is_none() {
+            table("[walls]", self.walls.write());
+        }
         if self.contacts != Contacts::default() {
             table("[contacts]", self.contacts.write());
         }
@@ -200,6 +202,10 @@ fn read(root: &Table) -> Result<Plan> {
     let other_materials =
         read_array(root, "material", &materials::MATERIAL, OtherMaterial::default())?;
     let pairs = read_array(root, "pair", &materials::PAIR, Pair::default())?;
+    if let Some(table) = root.get("walls").filter(|_| cell.is_some()) {
+        let (what, remedy) = plan::WALLS_IN_CELL;
+        return Err(root.source.error(table.at, what, remedy));
+    }
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
     let contacts = read_or(root, "contacts", Contacts::default())?.unwrap_or_default();

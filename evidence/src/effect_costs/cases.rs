@@ -156,6 +156,36 @@ pub const CASES: &[Case] = &[
         effects: &["network at every step"],
         changes: &[("fluid", "update", "\"every step\"")],
     },
+    Case {
+        name: "viscous shear",
+        over: Some("pore flow"),
+        effects: &["viscous shear"],
+        changes: &[("fluid", "viscous_shear", "true")],
+    },
+    Case {
+        name: "normal lubrication",
+        over: Some("pore flow"),
+        effects: &["normal lubrication"],
+        changes: &[("fluid", "normal_lubrication", "true")],
+    },
+    Case {
+        name: "shear lubrication",
+        over: Some("viscous shear"),
+        effects: &["shear lubrication"],
+        changes: &[("fluid", "shear_lubrication", "true")],
+    },
+    Case {
+        name: "pump torque",
+        over: Some("viscous shear"),
+        effects: &["pump torque"],
+        changes: &[("fluid", "pump_torque", "true")],
+    },
+    Case {
+        name: "twist torque",
+        over: Some("viscous shear"),
+        effects: &["twist torque"],
+        changes: &[("fluid", "twist_torque", "true")],
+    },
 ];
 
 impl Case {

@@ -288,10 +288,23 @@ impl Stage {
                 "moves a periodic cell, but there is none",
                 "add [cell] with its `size`, or move `walls`",
             ),
-            StageKind::Run(_) | StageKind::Compact(_) => None,
+            StageKind::Run(_) | StageKind::Compact(_) | StageKind::Permeability(_) => None,
             _ if !is_cell => None,
             _ => in_cell("needs walls, but [cell] leaves none", "give [box] in its place"),
         }
+    }
+
+    /// What is wrong with the stresses asked for in a periodic cell of spheres of this modulus
+    /// (Pa), which something holds together or not.
+    pub(super) fn cell_stress_wrong(&self, young: f64, pulls: bool) -> Option<Wrong> {
+        let StageKind::Run(run) = &self.kind else { return None };
+        cell_controls::beyond_reach(&run.cell, young, pulls)
+    }
+
+    /// What is wrong with this stage where an incompressible fluid fills a periodic cell.
+    pub(super) fn volume_wrong(&self) -> Option<Wrong> {
+        let StageKind::Run(run) = &self.kind else { return None };
+        cell_controls::changes_volume(&run.cell).filter(|_| run.fluid)
     }
 
     /// What is wrong with this stage alone.

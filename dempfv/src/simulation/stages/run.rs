@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_watch::CellWatch;
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
@@ -27,6 +28,7 @@ pub struct State {
     /// stage longer.
     ahead: u64,
     servos: ServoWatch,
+    cell: CellWatch,
 }
 
 /// Moments of the stage's course that are kept.
@@ -71,6 +73,7 @@ impl State {
             samples: vec![],
             ahead: 0,
             servos: ServoWatch::default(),
+            cell: CellWatch::of(context.coupled),
         };
         set_friction(context.coupled, plan, context.plan)?;
         Ok(state)
@@ -89,7 +92,8 @@ impl State {
         for (wall, control) in plan.walls.iter().filter(|(wall, _)| changes.of_wall(*wall)) {
             coupled.controls().set_control(wall, *control)?;
         }
-        if changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress") {
+        let moves = changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress");
+        if moves {
             set_cell(coupled, plan)?;
         }
         self.end = End::of(plan.until, start);
@@ -101,6 +105,9 @@ impl State {
         }
         if end || changes.in_stage("walls") {
             self.servos = ServoWatch::default();
+        }
+        if end || moves {
+            self.cell = CellWatch::of(coupled);
         }
         Ok(())
     }
@@ -138,7 +145,9 @@ impl State {
             context.step()?;
             self.steps += 1;
             let over = self.is_over(context)?;
-            self.servos.look(context, self.progress(context.clock));
+            let progress = self.progress(context.clock);
+            self.servos.look(context, progress);
+            self.cell.look(context, progress);
             let share = (self.samples.len() as u64).saturating_sub(self.ahead);
             if over || self.progress(context.clock) * SAMPLES >= share as f64 {
                 self.samples.push(self.sample(context));
@@ -148,6 +157,7 @@ impl State {
             }
         }
         self.servos.warn(context);
+        self.cell.warn(context);
         setup::own_materials(context.coupled, context.plan)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
