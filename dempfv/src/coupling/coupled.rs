@@ -225,6 +225,7 @@ impl Coupled {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
         dem.set_wall_resistance(PerWall::default())?;
+        dem.set_time(self.time)?;
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         self.time += dt;
@@ -278,6 +279,7 @@ impl Coupled {
         let (force, wall_force) =
             network.map(|network| (network.flow.force(), network.expected_wall_force())).unzip();
         let wall_force = wall_force.map(PerWall::from);
+        dem.set_time(self.time)?;
         phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
         Ok(())
     }

@@ -67,6 +67,8 @@ pub struct EnergyBalance {
     pub cell_work: f64,
     /// Work of forces and torques that were added.
     pub external_work: f64,
+    /// Work of what gives spheres a motion ([`Dem::prescribe`]).
+    pub motion_work: f64,
     /// Energy that appeared without a cause: made (or, where negative, lost) by time integration.
     pub residual: f64,
 }
@@ -74,8 +76,10 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The sum of what moved (J): the magnitudes of all works and losses, to measure the residual by.
     pub fn moved(&self) -> f64 {
-        let around = self.wall_work.abs() + self.cell_work.abs();
-        around + self.fluid_work.abs() + self.external_work.abs() + self.dissipated().abs()
+        let around = [self.wall_work, self.cell_work];
+        let works = [self.fluid_work, self.external_work, self.motion_work];
+        let works = around.iter().chain(&works).map(|work| work.abs());
+        works.sum::<f64>() + self.dissipated().abs()
     }
 
     /// What was dissipated by all causes (J).
@@ -98,7 +102,8 @@ impl Dem {
         self.forces.losses = vec![Losses::default(); block_count(spheres)];
         self.motion_work = vec![MotionWork::default(); spheres];
         if on {
-            let began_with = self.energy_now().iter().sum();
+            // What dashpots do in the second half of the last step is booked in the next.
+            let began_with = self.energy_now().iter().sum::<f64>() + self.damping_half_way();
             let (losses, work) = Default::default();
             self.ledger =
                 Some(Ledger { began_with, losses, work, walls: 0.0, cell: 0.0, last_dt: 0.0 });
@@ -120,7 +125,7 @@ impl Dem {
             elastic,
             gravity,
             friction: losses.friction,
-            contact_damping: losses.contact_damping,
+            contact_damping: losses.contact_damping + self.damping_half_way(),
             rolling: losses.rolling,
             breakage: losses.breakage,
             touch_change: losses.touch_change,
@@ -129,11 +134,12 @@ impl Dem {
             wall_work: *walls,
             cell_work: *cell,
             external_work: work.external,
+            motion_work: work.motion,
             residual: 0.0,
         };
         let now = translation + rotation + elastic + gravity;
         let around = balance.wall_work + balance.cell_work;
-        let done = balance.fluid_work + around + balance.external_work;
+        let done = balance.fluid_work + around + (balance.external_work + balance.motion_work);
         balance.residual = (now - began_with) + (balance.dissipated() - done);
         Some(balance)
     }
@@ -144,7 +150,13 @@ impl Dem {
         let p = &self.particles;
         let gravity = self.options.gravity.map_or(0.0, |g| {
             let half_way = |i: usize| p.position[i] - 0.5 * self.pending_dt * p.velocity[i];
-            -(0..p.len()).map(|i| p.mass[i] * g.dot(&half_way(i))).sum::<f64>()
+            let single = |i: &usize| self.held.clumps.of(*i).is_none();
+            let spheres = (0..p.len()).filter(single).map(|i| p.mass[i] * g.dot(&half_way(i)));
+            let bodies = self.clumps().map(|clump| {
+                let half_way = clump.centre - 0.5 * self.pending_dt * clump.velocity;
+                clump.mass * g.dot(&half_way)
+            });
+            -(spheres.sum::<f64>() + bodies.sum::<f64>())
         });
         let elastic = self.elastic_energy_half_way();
         [self.translational_energy(), self.rotational_energy(), elastic, gravity]
@@ -173,14 +185,24 @@ impl Dem {
         spheres + walls + 0.0
     }
 
-    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
-    /// overlap half way, and after half the slip of the step. The parts of second order make it
-    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
-    fn elastic_half_way(&self, place: &Place<'_>, cell: Option<&CellPass>) -> f64 {
-        let (p, dt, normal) = (&self.particles, self.pending_dt, place.normal);
-        let Touch { surfaces, overlap } = place.touch;
-        let arm = |k: usize| (p.radius[k] - 0.5 * overlap) * p.spin[k];
-        let (velocity, rim) = match place.other {
+    /// What the dashpots of all contacts dissipate in the second half of the last step (J), which the
+    /// next pass books.
+    fn damping_half_way(&self) -> f64 {
+        let cell = self.cell.as_ref().map(CellPass::new);
+        let way = |place: &Place<'_>| {
+            let (velocity, rim) = self.relative_motion(place, cell.as_ref());
+            slip(self.pending_dt, &velocity, &rim, &place.normal)
+        };
+        let lost = |place: Place<'_>| self.law.viscous_force(place.history).dot(&way(&place));
+        -0.5 * self.places().map(lost).sum::<f64>() + 0.0
+    }
+
+    /// Velocity of the second body of a contact relative to the first, and the sum of their arms times
+    /// spins (m/s).
+    fn relative_motion(&self, place: &Place<'_>, cell: Option<&CellPass>) -> (Vec3, Vec3) {
+        let (p, normal) = (&self.particles, place.normal);
+        let arm = |k: usize| (p.radius[k] - 0.5 * place.touch.overlap) * p.spin[k];
+        match place.other {
             Other::Sphere(j) => {
                 let mut apart = p.velocity[j] - p.velocity[place.i];
                 if let Some(cell) = cell {
@@ -193,7 +215,16 @@ impl Dem {
                 let moved = -wall.inward() * self.walls[wall].velocity;
                 (moved * normal - p.velocity[place.i], arm(place.i))
             }
-        };
+        }
+    }
+
+    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
+    /// overlap half way, and after half the slip of the step. The parts of second order make it
+    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
+    fn elastic_half_way(&self, place: &Place<'_>, cell: Option<&CellPass>) -> f64 {
+        let (dt, normal) = (self.pending_dt, place.normal);
+        let Touch { surfaces, overlap } = place.touch;
+        let (velocity, rim) = self.relative_motion(place, cell);
         let closing = match place.other {
             Other::Sphere(_) => {
                 let apart = place.distance * normal;
@@ -245,9 +276,9 @@ impl Dem {
         // Eight sums at once, in an order that no number of threads changes.
         let mut sums = [MotionWork::default(); 8];
         for works in self.motion_work.chunks(sums.len()) {
-            sums.iter_mut().zip(works).for_each(|(sum, work)| sum.add(work));
+            sums.iter_mut().zip(works).for_each(|(sum, work)| sum.join(work));
         }
-        sums.iter().for_each(|sum| ledger.work.add(sum));
+        sums.iter().for_each(|sum| ledger.work.join(sum));
         for wall in WallId::ALL {
             let way = 0.5 * (last_dt * before[wall] + dt * self.walls[wall].velocity);
             ledger.walls -= self.wall_sums[wall].force[wall.axis()] * way;

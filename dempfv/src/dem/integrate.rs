@@ -56,6 +56,8 @@ pub(super) struct Loads<'a> {
     pub fluid: Option<&'a [Vec3]>,
     /// What a user adds, if anything.
     pub external: Option<&'a ExternalLoads>,
+    /// Which spheres others move; empty where none.
+    pub held: &'a [bool],
 }
 
 /// What a step found.
@@ -94,6 +96,7 @@ pub(super) fn advance(
         fluid: loads.fluid.unwrap_or(&[]),
         external_force: loads.external.map_or(&[], |e| &e.force),
         external_torque: loads.external.map_or(&[], |e| &e.torque),
+        held: loads.held,
         work,
     };
     let external = loads.external.is_some();
@@ -124,6 +127,8 @@ struct MoveSpan<'a> {
     /// Empty without external loads.
     external_force: &'a [Vec3],
     external_torque: &'a [Vec3],
+    /// Empty where all move freely.
+    held: &'a [bool],
     /// Empty where work is not tracked.
     work: &'a mut [MotionWork],
 }
@@ -145,6 +150,7 @@ impl Span for MoveSpan<'_> {
         let fluid = cut(self.fluid, n);
         let external_force = cut(self.external_force, n);
         let external_torque = cut(self.external_torque, n);
+        let held = cut(self.held, n);
         let work = cut_mut(self.work, n);
         (
             MoveSpan {
@@ -158,6 +164,7 @@ impl Span for MoveSpan<'_> {
                 fluid: fluid.0,
                 external_force: external_force.0,
                 external_torque: external_torque.0,
+                held: held.0,
                 work: work.0,
             },
             MoveSpan {
@@ -171,6 +178,7 @@ impl Span for MoveSpan<'_> {
                 fluid: fluid.1,
                 external_force: external_force.1,
                 external_torque: external_torque.1,
+                held: held.1,
                 work: work.1,
             },
         )
@@ -191,28 +199,42 @@ impl pulp::NullaryFnOnce for Advance<'_> {
     #[inline(always)]
     fn call(self) -> Found {
         let Advance { span, step, external } = self;
-        match (step.rotation, external, !span.work.is_empty()) {
-            (true, false, false) => span.advance::<true, false, false>(step),
-            (false, false, false) => span.advance::<false, false, false>(step),
-            (true, true, false) => span.advance::<true, true, false>(step),
-            (false, true, false) => span.advance::<false, true, false>(step),
-            (true, false, true) => span.advance::<true, false, true>(step),
-            (false, false, true) => span.advance::<false, false, true>(step),
-            (true, true, true) => span.advance::<true, true, true>(step),
-            (false, true, true) => span.advance::<false, true, true>(step),
+        match span.held.is_empty() {
+            true => span.choose::<false>(step, external),
+            false => span.choose::<true>(step, external),
         }
     }
 }
 
 impl MoveSpan<'_> {
     #[inline(always)]
-    fn advance<const ROTATION: bool, const EXTERNAL: bool, const WORK: bool>(
+    fn choose<const HELD: bool>(self, step: &Step, external: bool) -> Found {
+        match (step.rotation, external, !self.work.is_empty()) {
+            (true, false, false) => self.advance::<HELD, true, false, false>(step),
+            (false, false, false) => self.advance::<HELD, false, false, false>(step),
+            (true, true, false) => self.advance::<HELD, true, true, false>(step),
+            (false, true, false) => self.advance::<HELD, false, true, false>(step),
+            (true, false, true) => self.advance::<HELD, true, false, true>(step),
+            (false, false, true) => self.advance::<HELD, false, false, true>(step),
+            (true, true, true) => self.advance::<HELD, true, true, true>(step),
+            (false, true, true) => self.advance::<HELD, false, true, true>(step),
+        }
+    }
+
+    #[inline(always)]
+    fn advance<const HELD: bool, const ROTATION: bool, const EXTERNAL: bool, const WORK: bool>(
         self,
         step: &Step,
     ) -> Found {
         let dt = step.dt;
         let mut found = Found { fastest2: 0, finite: true };
         for k in 0..self.position.len() {
+            if HELD && self.held[k] {
+                if WORK {
+                    self.work[k] = MotionWork::default();
+                }
+                continue;
+            }
             let mut force = self.force[k];
             if let Some(fluid) = self.fluid.get(k) {
                 force += fluid;
@@ -228,12 +250,12 @@ impl MoveSpan<'_> {
             if WORK {
                 // Each sphere's own, added up later: a sum would keep the loop from vector units.
                 let way = 0.5 * (step.last_dt * self.velocity[k] + dt * v);
-                let work = &mut self.work[k];
-                work.damping = self.mass[k] * (undamped - a).dot(&way);
-                work.fluid = self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way));
-                if EXTERNAL {
-                    work.external = self.external_force[k].dot(&way);
-                }
+                self.work[k] = MotionWork {
+                    damping: self.mass[k] * (undamped - a).dot(&way),
+                    fluid: self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way)),
+                    external: if EXTERNAL { self.external_force[k].dot(&way) } else { 0.0 },
+                    motion: 0.0,
+                };
             }
             let [x, y, z, radius] = self.centre[k];
             let x = Vec3::new(x, y, z) + dt * v;
@@ -272,7 +294,7 @@ impl MoveSpan<'_> {
 }
 
 /// Names the first particle with something that is not finite.
-fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemError {
+pub(super) fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemError {
     let fluid = loads.fluid.unwrap_or(&[]);
     let external = |of: fn(&ExternalLoads) -> &[Vec3]| loads.external.map_or(&[][..], of);
     let bad = |v: Option<&Vec3>| v.is_some_and(|v| !v.iter().all(|c| c.is_finite()));

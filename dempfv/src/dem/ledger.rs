@@ -15,14 +15,17 @@ pub(super) struct MotionWork {
     pub fluid: f64,
     /// Done by forces and torques that were added.
     pub external: f64,
+    /// Done by what gives spheres their motion.
+    pub motion: f64,
 }
 
 impl MotionWork {
-    /// Adds another.
-    pub fn add(&mut self, other: &MotionWork) {
+    /// Adds the work of others.
+    pub fn join(&mut self, other: &MotionWork) {
         self.damping += other.damping;
         self.fluid += other.fluid;
         self.external += other.external;
+        self.motion += other.motion;
     }
 }
 
@@ -44,9 +47,9 @@ pub(super) struct Ledger {
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
         let Ledger { began_with, losses, work, walls, cell, last_dt } = self;
-        let MotionWork { damping, fluid, external } = work;
-        let works = [*damping, *fluid, *external, *walls, *cell];
+        let MotionWork { damping, fluid, external, motion } = work;
+        let done = [*damping, *fluid, *external, *motion, *walls, *cell];
         let rest = [*began_with, losses.total(), *last_dt];
-        works.into_iter().chain(rest).try_for_each(|energy| finite("energy ledger", energy))
+        done.into_iter().chain(rest).try_for_each(|energy| finite("energy ledger", energy))
     }
 }

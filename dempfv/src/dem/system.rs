@@ -8,10 +8,12 @@ use super::compiled::{CompiledLaw, compile};
 use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
+use super::held::Held;
 use super::integrate::{Loads, Step, advance};
 use super::law::{ContactLaw, Linear, Losses, Needs};
 use super::ledger::{Ledger, MotionWork};
-use super::material::{Material, WallMaterial, finite, positive};
+use super::material::{Material, MaterialPair, WallMaterial, finite, positive};
+use super::motion::Motions;
 use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
@@ -62,6 +64,7 @@ pub struct Dem {
     pub(super) options: DemOptions,
     pub(super) law: Box<dyn CompiledLaw>,
     pub(super) materials: Vec<Material>,
+    pub(super) pairs: Vec<MaterialPair>,
     pub(super) wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pub(super) pending_dt: f64,
@@ -79,6 +82,8 @@ pub struct Dem {
     pub(super) smallest_radius: f64,
     pub(super) softest: Material,
     pub(super) external: ExternalLoads,
+    /// Clumps and prescribed motions.
+    pub(super) held: Held,
     /// See [`Dem::track_energy`].
     pub(super) ledger: Option<Ledger>,
     /// What forces did in the step, per sphere; empty where that is not tracked.
@@ -141,6 +146,8 @@ impl Dem {
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
             bonds: 0,
+            clumps: vec![],
+            motions: Motions::default(),
             ledger: None,
         };
         // Nothing to reverse: there are no contacts yet.
@@ -203,7 +210,8 @@ impl Dem {
         }
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, cell, pending_dt, bonds, ledger, .. } = state;
+        let DemState { particles, walls, cell, pending_dt, bonds, clumps, motions, ledger, .. } =
+            state;
         let centre = particles
             .position
             .iter()
@@ -216,6 +224,7 @@ impl Dem {
         }
         let mut dem = Dem {
             law,
+            held: Held::new(motions, clumps, &place),
             place,
             forces: Forces::default(),
             wall_sums: PerWall::default(),
@@ -233,6 +242,7 @@ impl Dem {
             room_to_stray: 0.0,
             options,
             materials,
+            pairs: vec![],
             wall_material,
             pending_dt,
             bonds,
@@ -261,6 +271,8 @@ impl Dem {
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
             bonds: self.bonds,
+            clumps: self.clumps().cloned().collect(),
+            motions: self.held.motions.kept(),
             ledger: self.ledger,
         }
     }
@@ -277,15 +289,18 @@ impl Dem {
         let law = self.law.clone_box();
         state.sort_spatially(law.history_length(), |history| law.reverse(history));
         let materials = std::mem::take(&mut self.materials);
+        let pairs = std::mem::take(&mut self.pairs);
         *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
+        self.pairs = pairs;
         Ok(())
     }
 
-    fn rebuild(&mut self) -> Result<(), DemError> {
+    pub(super) fn rebuild(&mut self) -> Result<(), DemError> {
         self.law.fit_cut_off(self.particles.radius.iter().copied().fold(0.0, f64::max));
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         let cell = self.cell.as_ref().map(PeriodicCell::cell);
-        self.list.build(&self.particles, (&self.walls, cell), cut_off, skin)?;
+        let clumps = self.held.clumps.indices();
+        self.list.build(&self.particles, (&self.walls, cell), (cut_off, skin), clumps)?;
         self.look_at_sizes();
         let end = self.list.bounds.last().copied().unwrap_or_default();
         self.forces.sent.clear();
@@ -331,6 +346,7 @@ impl Dem {
             for ((_, total), part) in self.wall_sums.iter_mut().zip(block.values()) {
                 total.force += part.force;
                 total.stiffness += part.stiffness;
+                total.dashpot += part.dashpot;
             }
         }
         self.cell_sum = CellSum::default();
@@ -377,9 +393,14 @@ impl Dem {
             torque: &self.forces.torque,
             fluid: fluid_force,
             external: self.external.get(),
+            held: self.held.mask(),
         };
-        let work = &mut self.motion_work;
-        let farthest = advance(&mut self.particles, &mut self.centre, loads, step, work)?;
+        let (particles, centre, work) =
+            (&mut self.particles, &mut self.centre, &mut self.motion_work);
+        let mut farthest = advance(particles, centre, loads, step, work)?;
+        if !loads.held.is_empty() {
+            farthest = farthest.max(self.move_held(step, fluid_force)?);
+        }
         self.book_work(dt, &wall_velocity);
         self.external.clear();
         self.list.moved(farthest);
@@ -439,6 +460,11 @@ impl Dem {
     /// whose.
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// What pairs of materials have against each other: see [`Dem::set_materials`].
+    pub fn material_pairs(&self) -> &[MaterialPair] {
+        &self.pairs
     }
 
     /// What the walls are made of.

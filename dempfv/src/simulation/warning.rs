@@ -19,6 +19,8 @@ pub enum Warning {
     CellStressMissed(CellStressMissed),
     /// The load of a consolidation has not come at once.
     LateLoad(LateLoad),
+    /// Bonds were made on contacts that carried a load.
+    BondsUnderLoad(BondsUnderLoad),
     /// A restart has changed what is simulated.
     Restarted {
         /// Steps that were done before.
@@ -81,6 +83,28 @@ impl fmt::Display for CellStressMissed {
     }
 }
 
+/// Bonds that were made on contacts that carried a load, which is gone with them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BondsUnderLoad {
+    /// The name of the stage that began with making them.
+    pub stage: String,
+    /// Their number.
+    pub loaded: u64,
+    /// Bonds in all.
+    pub made: u64,
+}
+
+impl fmt::Display for BondsUnderLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let BondsUnderLoad { stage, loaded, made } = self;
+        write!(
+            f,
+            "stage \"{stage}\": {loaded} of {made} bonds were made on contacts that carried a load; a bond is made \
+             without force, so their forces fell to 0 and the packing comes to rest anew"
+        )
+    }
+}
+
 /// A consolidation whose load took a time that is not short beside that of the consolidation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LateLoad {
@@ -134,6 +158,7 @@ impl fmt::Display for Warning {
             Warning::ServoMissed(missed) => missed.fmt(f),
             Warning::CellStressMissed(missed) => missed.fmt(f),
             Warning::LateLoad(late) => late.fmt(f),
+            Warning::BondsUnderLoad(bonds) => bonds.fmt(f),
             Warning::Restarted { step, change } => write!(f, "restart at step {step}: {change}"),
         }
     }

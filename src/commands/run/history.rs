@@ -67,6 +67,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
             names.extend(["x", "y", "z"].map(|axis| format!("cell_fluid_velocity_{axis}_m_s")));
         }
     }
+    if plan.output.energy && !plan.motions.is_empty() {
+        names.push("motion_work_j".to_owned());
+    }
     if plan.bonds.is_some() {
         names.extend(["intact_bonds", "broken_bonds"].map(str::to_owned));
     }
@@ -155,6 +158,10 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         if simulation.plan().fluid.is_some() {
             values.extend(cell.fluid_velocity.iter().map(|&u| Value::from(u)));
         }
+    }
+    if simulation.plan().output.energy && !simulation.plan().motions.is_empty() {
+        let balance = simulation.coupled().dem().energy_balance();
+        values.push(balance.map_or(f64::NAN, |b| b.motion_work).into());
     }
     if simulation.plan().bonds.is_some() {
         let dem = simulation.coupled().dem();

@@ -31,6 +31,28 @@ use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
 
+/// The name of a stage.
+pub(super) struct StageName;
+
+impl Kind<String> for StageName {
+    fn read(&self, value: &Value) -> Result<String> {
+        value.text("the name of a stage").map(str::to_owned)
+    }
+
+    fn wrong(&self, _: &String) -> Option<Wrong> {
+        None
+    }
+
+    fn write(&self, name: &String) -> Option<String> {
+        Some(quoted(name))
+    }
+}
+
+/// Whether what begins with the stage named in `from`, or with the first, begins with this one.
+pub(super) fn begins_with(from: Option<&str>, stage: &str, is_first: bool) -> bool {
+    from.map_or(is_first, |from| from == stage)
+}
+
 /// A stage of the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stage {

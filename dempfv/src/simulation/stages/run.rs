@@ -12,6 +12,7 @@ use crate::scene::{self, Plan, Until};
 use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
 use crate::simulation::outcome::{CellState, Outcome, StressPath, StressPathSample};
+use crate::simulation::setup;
 use crate::{Axis, Result, Tensor, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -157,7 +158,7 @@ impl State {
         }
         self.servos.warn(context);
         self.cell.warn(context);
-        context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
+        setup::own_materials(context.coupled, context.plan)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
             strain: self.reference.strain(coupled),
@@ -208,8 +209,11 @@ fn set_cell(coupled: &mut Coupled, plan: &scene::Run) -> Result<()> {
     Ok(())
 }
 
-/// Friction of the stage, else that of the scene's spheres.
+/// Friction of the stage, else that of the scene's materials.
 fn set_friction(coupled: &mut Coupled, plan: &scene::Run, scene: &Plan) -> Result<()> {
-    let angle = plan.friction_angle.unwrap_or(scene.particles.material.friction_angle);
-    Ok(coupled.controls().set_friction(angle)?)
+    setup::own_materials(coupled, scene)?;
+    match plan.friction_angle {
+        Some(angle) => Ok(coupled.controls().set_friction(angle)?),
+        None => Ok(()),
+    }
 }
