@@ -485,9 +485,9 @@ impl Remesher {
 /// Gives a fluid of some density its weight under the gravity of the spheres, and what flows through
 /// a periodic cell its mean gradient.
 fn load(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
-    match (context.effects.density, context.dem.options().gravity) {
-        (Some(density), Some(gravity)) => flow.set_weight(density * gravity)?,
-        _ => {}
+    let weight = context.effects.density.zip(context.dem.options().gravity);
+    if let Some((density, gravity)) = weight {
+        flow.set_weight(density * gravity)?;
     }
     if let Some(gradient) = context.effects.pressure_gradient {
         flow.set_pressure_gradient(gradient)?;
