@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use dempfv::pfv::{Boundary, Flow};
 use dempfv::scene::load_packing;
-use dempfv::theory::{kozeny_carman, sauter_diameter};
+use dempfv::theory::{KOZENY_CARMAN, kozeny_carman, sauter_diameter};
 use dempfv::{Error, InputError, WallId};
 use dempfv_report::format::{si, three_digits};
 use serde::Serialize;
@@ -25,10 +25,14 @@ pub struct Args {
 #[derive(Serialize)]
 pub struct Report {
     axes: Vec<Axis>,
+    /// Whether the fluid slips along the walls beside the flow.
+    slip_walls: bool,
     /// Overlaps counted twice; `None` where these are so large that it means nothing.
     porosity: Option<f64>,
     sauter_diameter_m: f64,
     kozeny_carman_m2: Option<f64>,
+    /// The constant in it.
+    kozeny_carman_constant: f64,
     warnings: Vec<String>,
 }
 
@@ -36,6 +40,8 @@ pub struct Report {
 struct Axis {
     axis: &'static str,
     permeability_m2: f64,
+    /// Farther than a Sauter diameter from every wall; `None` where nothing is.
+    core_permeability_m2: Option<f64>,
     flux_m3_s: f64,
     imbalance: f64,
 }
@@ -67,6 +73,7 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         axes.push(Axis {
             axis,
             permeability_m2: k.value,
+            core_permeability_m2: flow.core_permeability(wall, sauter_diameter(&packing.radius)),
             flux_m3_s: k.flux,
             imbalance: k.imbalance,
         });
@@ -84,9 +91,11 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     }
     Ok(Report {
         axes,
+        slip_walls: args.fluid.slip,
         porosity,
         sauter_diameter_m,
         kozeny_carman_m2: porosity.map(|n| kozeny_carman(n, sauter_diameter_m)),
+        kozeny_carman_constant: KOZENY_CARMAN,
         warnings,
     })
 }
@@ -94,12 +103,20 @@ pub fn run(args: &Args) -> Result<Report, Error> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for a in &self.axes {
-            writeln!(f, "  k along {}       {:.6e} m²", a.axis, a.permeability_m2)?;
+            let core = a.core_permeability_m2;
+            let core = core.map_or(String::new(), |k| format!(", {k:.6e} m² away from walls"));
+            writeln!(f, "  k along {}       {:.6e} m²{core}", a.axis, a.permeability_m2)?;
         }
+        let slip = if self.slip_walls { "slips along walls" } else { "sticks to walls" };
+        writeln!(f, "                  (the fluid {slip} beside the flow)")?;
         if let (Some(k), Some(n)) = (self.kozeny_carman_m2, self.porosity) {
             writeln!(f, "  Kozeny-Carman   {k:.6e} m²")?;
             let (n, d) = (three_digits(n), si(self.sauter_diameter_m, "m"));
-            writeln!(f, "                  (porosity {n}, Sauter mean diameter {d})")?;
+            writeln!(
+                f,
+                "                  (constant {}, porosity {n}, Sauter mean diameter {d})",
+                self.kozeny_carman_constant
+            )?;
         }
         self.warnings.iter().try_for_each(|w| writeln!(f, "  warning         {w}"))
     }

@@ -4,6 +4,8 @@ use super::error::DemError;
 use super::law::Needs;
 use super::material::{check_friction, positive};
 use super::system::{Dem, DemOptions};
+use super::walls::check_box;
+use crate::Vec3;
 
 impl Dem {
     /// Changes the friction angle between spheres (rad), whatever their material.
@@ -58,6 +60,43 @@ impl Dem {
             c[3] = *r;
         }
         self.list.resized();
+        if self.tracks_energy() {
+            self.track_energy(true);
+        }
+        Ok(())
+    }
+
+    /// Multiplies all lengths between spheres by `factor`: places in the box, seen from its lower
+    /// corner, and the box, or the periodic cell. Radii and velocities stay. Energy that is tracked
+    /// ([`Dem::track_energy`]) is tracked anew.
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for a factor that is not positive, or so large or small that there is no
+    /// box or cell left.
+    pub fn scale_space(&mut self, factor: f64) -> Result<(), DemError> {
+        positive("factor of lengths", factor)?;
+        let origin = match &mut self.cell {
+            Some(cell) => {
+                cell.scale(factor)?;
+                Vec3::zeros()
+            }
+            None => self.box_().min,
+        };
+        if self.cell.is_none() {
+            for (wall, state) in self.walls.iter_mut() {
+                let corner = origin[wall.axis()];
+                state.shift((factor - 1.0) * (state.position - corner));
+            }
+            check_box(&self.box_())?;
+        }
+        for (x, c) in self.particles.position.iter_mut().zip(&mut self.centre) {
+            *x = origin + factor * (*x - origin);
+            c[..3].copy_from_slice(x.as_slice());
+        }
+        match self.cell {
+            Some(_) => self.list.outdate(),
+            None => self.list.resized(),
+        }
         if self.tracks_energy() {
             self.track_energy(true);
         }

@@ -48,6 +48,7 @@ mod damping;
 mod energy;
 mod error;
 mod external;
+mod fabric;
 mod grid;
 mod growth;
 mod hilbert;
@@ -82,6 +83,7 @@ pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cl
 pub use contacts::{Contact, Partner};
 pub use energy::EnergyBalance;
 pub use error::{DemError, Leaving};
+pub use fabric::Fabric;
 pub use growth::{GrowthCompaction, GrowthOptions, GrowthStatus};
 pub use material::{Material, WallMaterial};
 pub use particles::Particles;

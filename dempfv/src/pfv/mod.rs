@@ -16,6 +16,7 @@ mod build;
 mod build_times;
 mod centroid;
 mod clamp;
+mod core_permeability;
 mod drag;
 mod error;
 mod extrapolation;
