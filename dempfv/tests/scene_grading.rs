@@ -132,7 +132,7 @@ fn gradings_survive_a_round_trip_and_wrong_ones_are_refused() {
         ("curve = [[5e-4, 0.0], [8e-4, 90.0]]", "to 1.0 at the last"),
         ("curve = [[5e-4]]", "no pair"),
         ("log_normal = { median = 7e-4 }", "no `deviation`"),
-        ("log_normal = { median = 7e-4, deviation = 2.0 }", "1.0 or less"),
+        ("log_normal = { median = 7e-4, deviation = 2.0 }", "0.001 to 1.0"),
         ("radius = 5e-4, sizes_by = \"mass\"", "stands beside `radius`"),
         ("radius = 5e-4, curve = [[5e-4, 0.0], [8e-4, 1.0]]", "more than one of"),
         ("curve = [[5e-4, 0.0], [8e-4, 1.0]], spread = 0.2", "stands beside `curve`"),

@@ -92,6 +92,43 @@ fn a_stage_has_its_own_pressures() {
     assert_eq!((on(&simulation, WallId::YMax), on(&simulation, WallId::XMin)), (Some(0.0), None));
 }
 
+/// A stage without any drain keeps its water: a wall that comes in by ε of the height puts up the pressure by
+/// K_f ε / n, n the porosity, to what overlaps leave unclear in it.
+#[test]
+fn shut_taps_keep_the_water() {
+    let text = settled(
+        WATER,
+        "[[stage]]\nkind = \"run\"\nsteps = 100\npressure = {}\nwalls = { y_max = { velocity = -2e-3 } }\n",
+    );
+    let mut simulation = start(&text);
+    advance(&mut simulation, 100);
+    let seen = simulation.observe();
+    let strain = 2e-3 * 1e-3 / seen.size[1];
+    let expected = 1e5 * strain / seen.porosity;
+    assert!(
+        (seen.mean_pressure / expected - 1.0).abs() < 0.02,
+        "{} {expected}",
+        seen.mean_pressure
+    );
+    assert!(seen.flux.iter().all(|flux| *flux == 0.0));
+}
+
+/// A servo that follows its ramp has not missed it, though its stress was never the last one before: no
+/// warning.
+#[test]
+fn a_ramp_that_is_followed_is_no_miss() {
+    let text = settled(
+        "",
+        "[[stage]]\nkind = \"run\"\nname = \"hold\"\ntime = 0.05\nwalls = { y_max = { stress = 1e3 } }\n\
+         [[stage]]\nkind = \"run\"\ntime = 0.1\nwalls = { y_max = { stress = { ramp = [[0.0, 1e3], [0.1, 4e3]] } } }",
+    );
+    let mut simulation = start(&text);
+    finish(&mut simulation);
+    let stress = simulation.coupled().wall_stress(WallId::YMax);
+    assert!((stress / 4e3 - 1.0).abs() < 0.05, "{stress}");
+    assert!(simulation.warnings().is_empty(), "{:?}", simulation.warnings());
+}
+
 /// A restart in the midst of a stage with its own pressures and a ramp has the bits of a run that
 /// did not stop.
 #[test]

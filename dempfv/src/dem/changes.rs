@@ -5,7 +5,7 @@ use super::law::Needs;
 use super::material::{check_friction, positive};
 use super::system::{Dem, DemOptions};
 use super::walls::check_box;
-use crate::Vec3;
+use crate::{Aabb, Vec3};
 
 impl Dem {
     /// Changes the friction angle between spheres (rad), whatever their material.
@@ -80,15 +80,15 @@ impl Dem {
                 cell.scale(factor)?;
                 Vec3::zeros()
             }
-            None => self.box_().min,
-        };
-        if self.cell.is_none() {
-            for (wall, state) in self.walls.iter_mut() {
-                let corner = origin[wall.axis()];
-                state.shift((factor - 1.0) * (state.position - corner));
+            None => {
+                let Aabb { min, max } = self.box_();
+                check_box(&Aabb { min, max: min + factor * (max - min) })?;
+                for (wall, state) in self.walls.iter_mut() {
+                    state.shift((factor - 1.0) * (state.position - min[wall.axis()]));
+                }
+                min
             }
-            check_box(&self.box_())?;
-        }
+        };
         for (x, c) in self.particles.position.iter_mut().zip(&mut self.centre) {
             *x = origin + factor * (*x - origin);
             c[..3].copy_from_slice(x.as_slice());

@@ -13,7 +13,7 @@ const RULE: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 /// Parts of each interval in which the area is smooth: the volume is then right to 1e-9 of the ball's.
-const PARTS: u32 = 4;
+const PARTS: u32 = 8;
 
 /// Volume of the part of a ball that lies in a box (m³).
 pub(crate) fn ball_in_box(center: &Vec3, radius: f64, bounds: &Aabb) -> f64 {

@@ -81,28 +81,30 @@ impl GradingCurve {
 
     /// Radii of so many spheres, ascending (m). Each stands for an equal number of the curve's
     /// spheres and has their mean volume: the masses of the first k are those of the curve exactly.
-    pub fn radii(&self, count: usize) -> Vec<f64> {
+    /// `None` where there is no memory for so many.
+    pub fn radii(&self, count: usize) -> Option<Vec<f64>> {
+        let mut radii = vec![];
+        radii.try_reserve_exact(count).ok()?;
         let pieces: Vec<Piece> = self.pieces().collect();
         let total: f64 = pieces.iter().map(Piece::number).sum();
         let (mut piece, mut number, mut mass) = (0, 0.0, 0.0);
         let mut finer = 0.0;
-        (1..=count)
-            .map(|k| {
-                let until = total * k as f64 / count as f64;
-                while piece + 1 < pieces.len() && number + pieces[piece].number() < until {
-                    number += pieces[piece].number();
-                    mass += pieces[piece].moment_of_mass();
-                    piece += 1;
-                }
-                let now = match k == count {
-                    true => 1.0,
-                    false => mass + pieces.get(piece).map_or(0.0, |p| p.mass_of(until - number)),
-                };
-                let share = now - finer;
-                finer = now;
-                0.5 * (share * count as f64 / total).cbrt()
-            })
-            .collect()
+        radii.extend((1..=count).map(|k| {
+            let until = total * k as f64 / count as f64;
+            while piece + 1 < pieces.len() && number + pieces[piece].number() < until {
+                number += pieces[piece].number();
+                mass += pieces[piece].moment_of_mass();
+                piece += 1;
+            }
+            let now = match k == count {
+                true => 1.0,
+                false => mass + pieces.get(piece).map_or(0.0, |p| p.mass_of(until - number)),
+            };
+            let share = now - finer;
+            finer = now;
+            0.5 * (share * count as f64 / total).cbrt()
+        }));
+        Some(radii)
     }
 }
 
@@ -202,17 +204,14 @@ impl Kind<LogNormal> for Normal {
     }
 
     fn wrong(&self, grading: &LogNormal) -> Option<Wrong> {
-        let wide = |deviation: f64| {
-            let problem = format!(
-                "has a `deviation` of {deviation}: diameters over {:.0e} to one",
-                (2.0 * CUT * deviation).exp()
-            );
-            Wrong::new(problem, "give 1.0 or less")
+        let beyond = |deviation: f64| {
+            let problem = format!("has a `deviation` of {deviation}");
+            Wrong::new(problem, "give 0.001 to 1.0; for equal spheres a `radius`")
         };
         DIAMETER
             .wrong(&grading.median)
             .or_else(|| DEVIATION.wrong(&grading.deviation))
-            .or_else(|| (grading.deviation > 1.0).then(|| wide(grading.deviation)))
+            .or_else(|| (grading.deviation > 1.0).then(|| beyond(grading.deviation)))
     }
 
     fn write(&self, grading: &LogNormal) -> Option<String> {
@@ -234,7 +233,7 @@ mod tests {
     #[test]
     fn spheres_have_the_masses_of_their_curve() {
         let curve = GradingCurve(vec![[1e-4, 0.0], [2e-4, 0.5], [1e-3, 1.0]]);
-        let radii = curve.radii(4000);
+        let radii = curve.radii(4000).unwrap();
         assert!(radii.windows(2).all(|pair| pair[0] <= pair[1]));
         let fine: Vec<f64> = radii.iter().copied().filter(|r| *r < 1e-4).collect();
         let one = (2e-4_f64).powi(3) / mass(&radii);

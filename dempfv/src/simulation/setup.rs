@@ -47,7 +47,12 @@ pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
             (SizeDistribution::List(list), CloudScale::AsListed)
         }
         graded @ (Sizes::Curve(_) | Sizes::LogNormal(_)) => {
-            let radii = graded.grading_curve().map_or(vec![], |curve| curve.radii(count));
+            let radii = graded.grading_curve().and_then(|curve| curve.radii(count));
+            let too_many = || {
+                let what = format!("there is no memory for a cloud of {count} spheres");
+                InputError::new(what, "give fewer spheres")
+            };
+            let radii = radii.ok_or_else(too_many)?;
             let each = radii.into_iter().map(|radius| (radius, 1.0)).collect();
             (SizeDistribution::List(each), CloudScale::AsListed)
         }

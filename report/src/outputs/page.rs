@@ -31,8 +31,7 @@ fluid together.
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     page += "## history.csv\n\nA row every `history_every` steps, and one at the end. A name in braces \
-             stands for each wall, \
-             point, region or component. NaN stands where there is no value.\n";
+             stands for each wall, point, region or component.\nNaN stands where there is no value.\n";
     let mut last = "";
     for group in history::groups() {
         if group.when != last {

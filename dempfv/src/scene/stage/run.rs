@@ -108,10 +108,13 @@ impl Run {
         {
             self.pressure = Some(Box::default());
         }
-        match &mut self.pressure {
-            Some(walls) => keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut walls.0),
-            None => Ok(()),
+        let Some(walls) = &mut self.pressure else { return Ok(()) };
+        keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut walls.0)?;
+        if walls.values().all(Option::is_none) {
+            // Not the same as none of the stage's own: all walls are shut.
+            keys.push(("pressure", "{}".to_owned()));
         }
+        Ok(())
     }
 
     /// What is wrong with this stage alone.

@@ -20,8 +20,9 @@ static COLUMNS: &[Column] = &[
     column(
         "time_s",
         "s",
-        "Model time since then. Positions and forces are of this time; velocities, in a \
-         step of length dt, of dt/2 before it.",
+        "Model time since then. Positions are of this time, and what is counted or summed over \
+         contacts with them; stresses on walls and pressures are those of the last step, which began dt \
+         before; velocities are of dt/2 before.",
         |s, _| s.simulation.time().into(),
     ),
     column("stage", "", "Name of the stage that did the last step.", |s, _| {
