@@ -44,6 +44,8 @@ size = [0.1, 0.1, 0.1]
 [particles]
 cloud = { count = 150, sizes = [[0.006, 0.6], [0.007, 0.4]] }
 [dem]
+[fluid]
+viscosity = 1e-3
 [bonds]
 tension = 1e4
 cohesion = 1e4
@@ -51,6 +53,9 @@ from = "run"
 [[stage]]
 kind = "compact"
 stress = 1e4
+[[stage]]
+kind = "permeability"
+axis = "x"
 [[stage]]
 kind = "run"
 steps = 30

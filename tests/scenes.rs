@@ -154,3 +154,20 @@ fn piping_passes_the_critical_gradient() {
     assert_eq!((below.value(0.0), below.value(0.3)), (0.0, 250.0));
     assert!(below.value(0.3) > 1.2 * critical);
 }
+
+/// Viscosity rules: films are on, and the Stokes number of a sphere at its own speed of sinking is below
+/// 1.
+#[test]
+fn sedimentation_is_viscous() {
+    let plan = load("sedimentation.toml");
+    let on = plan.effects_on();
+    for effect in ["viscous shear", "normal lubrication", "buoyancy"] {
+        assert!(on.contains(&effect), "{effect}: {on:?}");
+    }
+    let ParticleSource::Cloud(cloud) = &plan.particles.source else { panic!("no cloud") };
+    let fluid = plan.fluid.as_ref().unwrap();
+    let (d, mu) = (2.0 * cloud.sizes.largest(), fluid.fluid.viscosity);
+    let density = plan.particles.material.density;
+    let speed = (density - fluid.effects.density.unwrap()) * 9.81 * d * d / (18.0 * mu);
+    assert!(density * d * speed / (18.0 * mu) < 1.0, "{speed}");
+}

@@ -15,10 +15,13 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("theory", &[]),
     ("solver", &["parallel"]),
-    ("dem", &["parallel", "domain", "effect"]),
+    ("dem", &["parallel", "domain", "effect", "excerpt", "time_function"]),
     ("pfv", &["solver", "parallel", "domain", "effect"]),
     ("io", &["excerpt", "input", "domain", "solver", "pfv"]),
-    ("coupling", &["dem", "pfv", "solver", "parallel", "domain", "effect", "time_function"]),
+    (
+        "coupling",
+        &["dem", "pfv", "solver", "parallel", "domain", "effect", "excerpt", "time_function"],
+    ),
     (
         "scene",
         &[

@@ -113,6 +113,27 @@ fn a_cell_shrinks_and_a_restart_goes_on() {
     }
 }
 
+/// Clumps stay rigid while the box shrinks: members keep their distance, and the packing its radii.
+#[test]
+fn clumps_keep_their_shape() {
+    let text = scene("radius = 5e-4", "keep_radii = true")
+        .replace("count = 400", "count = 100")
+        .replace("young = 1e7", "young = 1e7\nclump = [[0.5, 0, 0, 0.5], [-0.5, 0, 0, 0.5]]");
+    let lengths = |simulation: &Simulation| -> Vec<f64> {
+        let dem = simulation.coupled().dem();
+        let members = |k: usize| (dem.position(2 * k), dem.position(2 * k + 1));
+        (0..dem.len() / 2).map(members).map(|(a, b)| (a - b).norm()).collect()
+    };
+    let mut simulation = start(&text);
+    assert_eq!(simulation.coupled().dem().clumps().count(), 100);
+    let (before, size) = (lengths(&simulation), simulation.coupled().dem().box_().size());
+    finish(&mut simulation);
+    for (a, b) in lengths(&simulation).iter().zip(&before) {
+        assert!((a / 5e-4 - 1.0).abs() < 1e-9 && (a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    assert!(simulation.coupled().dem().box_().size().x < 0.9 * size.x);
+}
+
 #[test]
 fn gradings_survive_a_round_trip_and_wrong_ones_are_refused() {
     for cloud in [

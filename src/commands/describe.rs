@@ -169,13 +169,21 @@ pub fn source(source: &ParticleSource) -> String {
 }
 
 /// The fluid; its boundary conditions and remeshing where some stage is `coupled`.
-pub fn fluid(fluid: &Fluid, coupled: bool) -> String {
+pub fn fluid(fluid: &Fluid, coupled: bool, in_cell: bool) -> String {
     let viscosity = format!("μ = {}", si(fluid.fluid.viscosity, "Pa·s"));
     if !coupled {
         return viscosity;
     }
     let pressures: Vec<String> =
         fluid.pressure_walls().map(|(wall, p)| format!("{} on {wall}", si(p, "Pa"))).collect();
+    let driven = match fluid.effects.pressure_gradient {
+        Some(gradient) => {
+            let [x, y, z] = <[f64; 3]>::from(gradient).map(three_digits);
+            format!("mean gradient {x}, {y}, {z} Pa/m")
+        }
+        None if in_cell => "no mean gradient".to_owned(),
+        None => format!("{}, no flow through other walls", pressures.join(", ")),
+    };
     let how = fluid.acceleration;
     let interval = match fluid.remesh.interval {
         _ if how.auto_interval => Some("as often as the background can follow".to_owned()),
@@ -186,12 +194,7 @@ pub fn fluid(fluid: &Fluid, coupled: bool) -> String {
         .strain
         .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
     let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
-    format!(
-        "{viscosity}; {}, no flow through other walls; remesh {}{}",
-        pressures.join(", "),
-        remesh.join(" or "),
-        renewal(&how),
-    )
+    format!("{viscosity}; {driven}; remesh {}{}", remesh.join(" or "), renewal(&how),)
 }
 
 /// From which positions networks are built, and by whom, unless plainly.

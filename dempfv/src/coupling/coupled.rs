@@ -17,7 +17,7 @@ use super::remesher::Remesher;
 use super::saturation::Saturation;
 use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
-use crate::dem::{Dem, DemError, WallControl};
+use crate::dem::{Dem, DemError, FluidLoads, WallControl};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, ViscousMode};
 use crate::{PerWall, Vec3};
@@ -201,8 +201,12 @@ impl Coupled {
     /// once.
     fn prepare_network(&mut self, saturation: &Saturation, time_step: f64) -> Result<()> {
         if self.dem.cell().is_some() {
-            let remedy = "there is no flow across its faces yet; run it dry, or put walls around";
-            return Err(DemError::InCell { what: "a fluid", remedy }.into());
+            self.effects.check_in_cell()?;
+            if self.remesher.acceleration().update == Update::EveryStep {
+                let what = "a network that follows the spheres in each step";
+                let remedy = "its spheres are put back into the cell; renew it more often";
+                return Err(DemError::InCell { what, remedy }.into());
+            }
         }
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
@@ -221,6 +225,7 @@ impl Coupled {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
         dem.set_wall_resistance(PerWall::default())?;
+        dem.set_time(self.time)?;
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         self.time += dt;
@@ -257,6 +262,7 @@ impl Coupled {
 
     /// Moves walls and spheres under both forces.
     fn integrate(&mut self, dt: f64) -> Result<()> {
+        self.act_on_edges(dt);
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
         dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default())?;
@@ -271,10 +277,15 @@ impl Coupled {
             self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
             self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
         }
-        let (force, wall_force) =
-            network.map(|network| (network.flow.force(), network.expected_wall_force())).unzip();
-        let wall_force = wall_force.map(PerWall::from);
-        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
+        let on_walls = network.map(|network| PerWall::from(network.expected_wall_force()));
+        let loads = FluidLoads {
+            force: network.map(ActiveNetwork::force),
+            torque: network.and_then(|network| network.edges.as_ref()?.torque()),
+            on_walls: on_walls.as_ref(),
+        };
+        dem.set_time(self.time)?;
+        phases.time(Phase::Integration, || dem.integrate_under(dt, loads))?;
+        self.book_edges(dt);
         Ok(())
     }
 
@@ -312,8 +323,10 @@ impl Coupled {
     /// the last step.
     pub fn time_step_bounds(&mut self) -> TimeStepBounds {
         let viscosity = self.saturation.map(|s| s.fluid.viscosity);
-        let fastest = self.remesher.current.as_ref().map(|network| &network.state.fastest);
-        viscous_bound::bounds(&mut self.dem, viscosity, fastest)
+        let network = self.remesher.current.as_mut();
+        let (fastest, edges) =
+            network.map(|network| (&network.state.fastest, network.edges.as_mut())).unzip();
+        viscous_bound::bounds(&mut self.dem, viscosity, fastest, edges.flatten())
     }
 
     /// Brings the contact forces up to the current positions; the next step
@@ -486,6 +499,7 @@ fn motion<'a>(
     SolidMotion {
         velocity,
         walls: walls.map(|w| w.velocity).0,
+        dilation: dem.cell().map_or(0.0, |cell| cell.velocity_gradient().trace()),
         servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
         wall_pressure,

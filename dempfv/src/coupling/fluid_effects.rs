@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeEffects;
 use super::error::Result;
+use crate::dem::DemError;
 use crate::pfv::ImposedPressure;
 use crate::pfv::terms::{Compressibility, PoreSource, StepTerms};
-use crate::{Effect, EffectKey, Family, PerWall, TimeFunction};
+use crate::{Effect, EffectKey, Family, PerWall, TimeFunction, Vec3};
 
 /// What pressures that change with time say of themselves.
 pub const PRESSURE_IN_TIME: Effect = Effect {
@@ -45,12 +47,33 @@ pub struct FluidEffects {
     pub imposed: Vec<ImposedPressure>,
     /// What enters pores of choice.
     pub sources: Vec<PoreSource>,
+    /// Mean pressure gradient through a periodic cell (Pa/m).
+    pub pressure_gradient: Option<Vec3>,
+    /// Forces between neighbours.
+    pub edges: EdgeEffects,
 }
 
 impl FluidEffects {
     /// Whether pores store fluid, so that the matrix of a network goes with the time step.
     pub fn store(&self) -> bool {
         self.bulk_modulus.is_some()
+    }
+
+    /// Refuses what a periodic cell has no place for.
+    pub(super) fn check_in_cell(&self) -> Result<()> {
+        let effects = [
+            (!self.imposed.is_empty(), "a pressure imposed on pores"),
+            (!self.sources.is_empty(), "a source of fluid"),
+            (self.density.is_some(), "a fluid with weight"),
+            (self.wall_pressure.values().any(Option::is_some), "a pressure of a wall"),
+        ];
+        match effects.into_iter().find(|(given, _)| *given) {
+            None => Ok(()),
+            Some((_, what)) => {
+                let remedy = "a mean pressure gradient drives the flow there";
+                Err(DemError::InCell { what, remedy }.into())
+            }
+        }
     }
 
     /// Pressures (Pa) of the walls with one that changes, at a time (s); `None` where there are no

@@ -43,7 +43,11 @@ impl Coupled {
         self.probe_pressures().zip(&self.probes).map(move |(p, x)| p + hydrostatic(x))
     }
 
+    /// Of the pores between walls.
     fn centroids(&self) -> Option<Vec<Vec3>> {
+        if self.dem.cell().is_some() {
+            return None;
+        }
         let network = self.storage_flow()?.network();
         network.centroids(&self.dem.storage().position, &self.dem.box_()).ok()
     }

@@ -2,7 +2,7 @@
 
 use super::error::DemError;
 use super::law::Needs;
-use super::material::{check_friction, positive};
+use super::material::{Material, MaterialPair, check_friction, positive};
 use super::system::{Dem, DemOptions};
 use super::walls::check_box;
 use crate::{Aabb, Vec3};
@@ -17,7 +17,39 @@ impl Dem {
         for material in &mut self.materials {
             material.friction_angle = angle;
         }
-        self.law.set_materials(&self.materials, &self.wall_material);
+        for pair in &mut self.pairs {
+            pair.friction_angle = None;
+        }
+        self.renew_table();
+        Ok(())
+    }
+
+    /// Changes what the spheres are made of, and what pairs of materials have against each other. Masses
+    /// stay.
+    ///
+    /// # Errors
+    /// [`DemError::NumberOfMaterials`] for another number of materials, [`DemError::Parameter`] for
+    /// values that make no sense.
+    pub fn set_materials(
+        &mut self,
+        materials: &[Material],
+        pairs: &[MaterialPair],
+    ) -> Result<(), DemError> {
+        if materials.len() != self.materials.len() {
+            return Err(DemError::NumberOfMaterials { found: materials.len() });
+        }
+        materials.iter().try_for_each(Material::check)?;
+        pairs.iter().try_for_each(|pair| pair.check(materials))?;
+        self.materials = materials.to_vec();
+        self.pairs = pairs.to_vec();
+        self.renew_table();
+        self.look_at_sizes();
+        Ok(())
+    }
+
+    /// Makes the table of contacts anew.
+    fn renew_table(&mut self) {
+        self.law.set_materials((&self.materials, &self.pairs), &self.wall_material);
         // A pass that needs overlaps alone does not look at the history.
         if self.law.pair_needs() == Needs::Overlap {
             self.list.history.fill(0.0);
@@ -25,7 +57,6 @@ impl Dem {
         if self.law.wall_needs() == Needs::Overlap {
             self.list.wall_history.fill(0.0);
         }
-        Ok(())
     }
 
     /// Changes the local damping λ.
@@ -59,6 +90,8 @@ impl Dem {
             *m *= mass_factor;
             c[3] = *r;
         }
+        let Dem { held, particles, centre, .. } = self;
+        held.clumps.scale(factor, particles, centre);
         self.list.resized();
         if self.tracks_energy() {
             self.track_energy(true);
@@ -67,7 +100,7 @@ impl Dem {
     }
 
     /// Multiplies all lengths between spheres by `factor`: places in the box, seen from its lower
-    /// corner, and the box, or the periodic cell. Radii and velocities stay. Energy that is tracked
+    /// corner, and the box, or the periodic cell. Radii, clumps and velocities stay. Energy that is tracked
     /// ([`Dem::track_energy`]) is tracked anew.
     ///
     /// # Errors
@@ -89,10 +122,13 @@ impl Dem {
                 min
             }
         };
+        let place = |x: &Vec3| origin + factor * (x - origin);
         for (x, c) in self.particles.position.iter_mut().zip(&mut self.centre) {
-            *x = origin + factor * (*x - origin);
+            *x = place(x);
             c[..3].copy_from_slice(x.as_slice());
         }
+        let Dem { held, particles, centre, .. } = self;
+        held.clumps.put(place, particles, centre);
         match self.cell {
             Some(_) => self.list.outdate(),
             None => self.list.resized(),

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
-use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, Vector, number, quoted};
+use super::lubrication;
 use super::region::{ImposedRegion, SourceRegion};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
@@ -19,7 +20,8 @@ use crate::coupling::{
 use crate::domain::{PerWall, WallId};
 use crate::input::InputError;
 use crate::pfv::effects::{
-    BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, FLUID_FORCES, PORE_FLOW, SOURCES, WALL_SLIP,
+    BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, FLUID_FORCES, PORE_FLOW, PRESSURE_GRADIENT,
+    SOURCES, WALL_SLIP,
 };
 use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
@@ -51,6 +53,14 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "sealed_pores",
         "imposed",
         "sources",
+        "pressure_gradient",
+        "viscous_shear",
+        "normal_lubrication",
+        "shear_lubrication",
+        "pump_torque",
+        "twist_torque",
+        "eps",
+        "lubrication_stiffness",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -150,6 +160,8 @@ impl Keyed for Fluid {
         let form = "an array of tables, as in [{ center = [0.0, 0.0, 0.0], radius = 0.1, ... }]";
         keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
         keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
+        keys.take("pressure_gradient", &Maybe(Vector("Pa/m")), &mut effects.pressure_gradient)?;
+        lubrication::keys(keys, &mut effects.edges)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
@@ -346,6 +358,37 @@ impl Fluid {
         ))
     }
 
+    /// What has no place in a periodic cell, or none between walls.
+    pub(super) fn wrong_around(&self, is_cell: bool) -> Option<Wrong> {
+        let (fluid, effects, how) = (&self.fluid, &self.effects, &self.acceleration);
+        let drives = "a `pressure_gradient` (Pa/m) drives the flow in a cell";
+        let wrong = |what: &str, remedy: &str| Some(Wrong::new(what, remedy));
+        if !is_cell {
+            let walls = "give two opposite walls a `pressure`, or add [cell]";
+            let given = effects.pressure_gradient.is_some();
+            return wrong("has a `pressure_gradient`, but there are walls", walls)
+                .filter(|_| given);
+        }
+        let refused = [
+            (self.pressure_walls().next().is_some(), "has the `pressure` of a wall", drives),
+            (!effects.imposed.is_empty(), "has an `imposed` pressure", drives),
+            (!effects.sources.is_empty(), "has `sources`, whose fluid cannot leave", drives),
+            (!fluid.slip_walls, "has `slip_walls`", "leave it out: a cell has no walls"),
+            (
+                fluid.boundary.sealed_pores == SealedPoreRule::Drained,
+                "has `sealed_pores = \"drained\"`: all pores of a cell are",
+                "leave it out; a `bulk_modulus` lets pores change their volume",
+            ),
+            (
+                how.update == Update::EveryStep,
+                "has `update = \"every step\"`, but spheres are put back into the cell meanwhile",
+                "leave it out, and take a smaller `remesh_interval`",
+            ),
+        ];
+        let (_, what, remedy) = refused.into_iter().find(|(given, ..)| *given)?;
+        wrong(&format!("stands beside [cell] and {what}"), remedy)
+    }
+
     /// What is wrong with a density where nothing has weight.
     pub(super) fn weightless(&self, gravity: bool) -> Option<Wrong> {
         let useless = self.effects.density.is_some() && !gravity;
@@ -358,20 +401,22 @@ impl Fluid {
     }
 
     /// Effects of this table: `flow` is the fluid where some stage has flow, `coupled` where a
-    /// stage couples it to spheres that move.
+    /// stage couples it to spheres that move, in a periodic cell or between walls.
     pub(super) fn effects(
         flow: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static Effect, bool); 12] {
+        in_cell: bool,
+    ) -> [(&'static Effect, bool); 13] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         [
             (&PORE_FLOW, flow.is_some()),
             (&FLUID_FORCES, coupled.is_some()),
-            (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls)),
+            (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls) && !in_cell),
             (&COMPRESSIBILITY, is(coupled, |f| f.effects.bulk_modulus.is_some())),
             (&BUOYANCY, is(coupled, |f| f.effects.density.is_some())),
             (&SOURCES, is(coupled, |f| !f.effects.sources.is_empty())),
             (&IMPOSED_REGIONS, is(coupled, |f| !f.effects.imposed.is_empty())),
+            (&PRESSURE_GRADIENT, is(coupled, |f| f.effects.pressure_gradient.is_some())),
             (&PRESSURE_IN_TIME, is(coupled, Fluid::changes_pressures)),
             (&CONDUCTANCE_CLAMP, is(flow, |f| f.fluid.clamp != Clamp::None)),
             (&BACKGROUND_REMESH, is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),

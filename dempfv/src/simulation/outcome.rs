@@ -70,16 +70,16 @@ pub struct PermeabilityTest {
     pub axis: String,
     /// Intrinsic permeability of the box (m²), with the walls of the scene.
     pub permeability_m2: f64,
-    /// Whether the fluid slips along the four walls beside the flow there.
-    pub slip_walls: bool,
+    /// Whether the fluid slips along the four walls beside the flow there; `None` in a periodic cell.
+    pub slip_walls: Option<bool>,
     /// The same where it slips (m²).
-    pub slip_permeability_m2: f64,
+    pub slip_permeability_m2: Option<f64>,
     /// And where it does not (m²).
-    pub no_slip_permeability_m2: f64,
+    pub no_slip_permeability_m2: Option<f64>,
     /// Of the part of the box that is a Sauter diameter away from all walls (m²), without their loose
-    /// layers; `None` where the box is too small to have one.
+    /// layers; `None` where the box is too small to have one, and in a periodic cell.
     pub core_permeability_m2: Option<f64>,
-    /// Flux at 1 Pa across the box (m³/s).
+    /// Flux at 1 Pa across the box (m³/s); of a periodic cell, that of a cube of its volume.
     pub flux_m3_s: f64,
     /// What enters less what leaves, relative to the flux (1).
     pub imbalance: f64,
@@ -97,6 +97,8 @@ pub struct PermeabilityTest {
     pub unknowns: u64,
     /// Residual of the solve (1).
     pub residual: f64,
+    /// Of a periodic cell the whole tensor (m²), by rows; `None` between walls.
+    pub tensor_m2: Option<[[f64; 3]; 3]>,
 }
 
 /// One-dimensional consolidation under a stress put on at once.

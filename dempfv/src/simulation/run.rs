@@ -152,7 +152,8 @@ impl Simulation {
         let mut saved = state.coupled;
         let was_wet = saved.parameters.saturation.is_some();
         let is_wet = going.map_or(was_wet, |stage| stage.kind.is_coupled());
-        saved.set_density(plan.particles.material.density);
+        let materials = plan.materials();
+        saved.set_densities(&materials.iter().map(|m| m.density).collect::<Vec<_>>());
         saved.parameters = parameters(&plan, is_wet, going.map(|s| (s, state.stage_start.1)));
         if changes.outdate_network() {
             saved.forget_network();
@@ -256,9 +257,12 @@ impl Simulation {
             None => {
                 let bonds = context.plan.bonds.as_ref();
                 if bonds.is_some_and(|b| b.begin_with(&stage.name, self.stage == 0)) {
-                    context.coupled.controls().bond()?;
+                    context.bond()?;
                 }
-                Active::start(&mut context)?
+                let is_first = self.stage == 0;
+                let begun = Active::start(&mut context)?;
+                context.give_motions(is_first)?;
+                begun
             }
         };
         match active.advance(&mut context) {
@@ -445,7 +449,8 @@ fn parameters(plan: &Plan, is_wet: bool, going: Option<(&Stage, f64)>) -> Parame
     });
     let fluid = fluid.as_deref();
     Parameters {
-        materials: vec![plan.particles.material],
+        materials: plan.materials(),
+        pairs: plan.material_pairs(),
         wall_material: plan.walls.material,
         options: setup::options(plan),
         saturation: fluid.filter(|_| is_wet).map(|f| f.saturation()),

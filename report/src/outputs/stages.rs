@@ -28,7 +28,7 @@ pub(super) static KEYS: &[Entry] = &[
     entry(
         "stages[].permeability.slip_walls",
         "",
-        "Whether the fluid slips along the four walls beside the flow in it.",
+        "Whether the fluid slips along the four walls beside the flow in it; null in a periodic cell, as the next three.",
     ),
     entry("stages[].permeability.slip_permeability_m2", "m²", "k where it slips."),
     entry("stages[].permeability.no_slip_permeability_m2", "m²", "k where it does not."),
@@ -65,6 +65,11 @@ pub(super) static KEYS: &[Entry] = &[
     entry("stages[].permeability.pores", "1", "Pores of the network."),
     entry("stages[].permeability.unknowns", "1", "Unknown pressures."),
     entry("stages[].permeability.residual", "1", "Residual of the solve."),
+    entry(
+        "stages[].permeability.tensor_m2[][]",
+        "m²",
+        "The whole tensor of a periodic cell, by rows; null between walls.",
+    ),
     entry("stages[].consolidate.wall", "", "The loaded wall."),
     entry("stages[].consolidate.load_pa", "Pa", "Stress that was added."),
     entry("stages[].consolidate.height_m", "m", "Height H of the layer at the start."),

@@ -135,7 +135,7 @@ static REMESH: [Entry; 17] = [
     ),
 ];
 
-static ENERGY: [Entry; 14] = [
+static ENERGY: [Entry; 22] = [
     entry(
         "energy.translation",
         "J",
@@ -158,6 +158,14 @@ static ENERGY: [Entry; 14] = [
     entry("energy.local_damping", "J", "Dissipated by local damping."),
     entry("energy.fluid_work", "J", "Work of the fluid on the spheres."),
     entry("energy.wall_work", "J", "Work of the walls on the spheres."),
+    entry("energy.cell_work", "J", "Work of the motion of a periodic cell on the spheres."),
+    entry("energy.motion_work", "J", "Work of given motions on the other spheres."),
+    entry("energy.viscous_shear", "J", "Dissipated by viscous shear between neighbours."),
+    entry("energy.normal_lubrication", "J", "Dissipated by normal lubrication."),
+    entry("energy.shear_lubrication", "J", "Dissipated by shear lubrication."),
+    entry("energy.pump_torque", "J", "Dissipated by pump torques."),
+    entry("energy.twist_torque", "J", "Dissipated by twist torques."),
+    entry("energy.film_elastic", "J", "What the springs in series with films store."),
     entry("energy.external_work", "J", "Work of forces that a library user adds."),
     entry(
         "energy.residual",

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dempfv::dem::{Contact, Partner};
+use dempfv::dem::{Contact, Partner, PeriodicCell};
 use dempfv::io::vtk::{self, Collection, LineData, SphereFrame};
 use dempfv::simulation::Simulation;
 use dempfv::{Cell, Result, Vec3};
@@ -72,8 +72,8 @@ fn write_spheres(path: &Path, simulation: &Simulation) -> Result<()> {
     let dem = coupled.dem();
     let particles = dem.storage();
     let mut force = dem.storage_forces().to_vec();
-    if let Some(flow) = coupled.storage_flow() {
-        force.iter_mut().zip(flow.force()).for_each(|(sum, fluid)| *sum += fluid);
+    if let Some(fluid) = coupled.storage_fluid_force() {
+        force.iter_mut().zip(fluid).for_each(|(sum, fluid)| *sum += fluid);
     }
     // Those copies that are in the cell, where there is one.
     let inside = dem.cell().map(|cell| {
@@ -93,9 +93,18 @@ fn write_spheres(path: &Path, simulation: &Simulation) -> Result<()> {
 fn write_pores(path: &Path, simulation: &Simulation) -> Result<bool> {
     let coupled = simulation.coupled();
     let Some(flow) = coupled.storage_flow() else { return Ok(false) };
-    let (position, bounds) = (&coupled.dem().storage().position, coupled.dem().box_());
-    let (points, cells) = vtk::pore_cells(flow.network(), position, &bounds)?;
-    let volume = flow.network().volumes_at(position, &bounds)?;
+    let (network, position) = (flow.network(), &coupled.dem().storage().position);
+    let bounds = coupled.dem().box_();
+    let ((points, cells), volume) = match coupled.dem().cell().map(PeriodicCell::cell) {
+        None => {
+            let volume = network.volumes_at(position, &bounds)?;
+            (vtk::pore_cells(network, position, &bounds)?, volume)
+        }
+        Some(cell) => {
+            let volume = network.volumes_in_cell(position, cell)?;
+            (vtk::pore_cells_in_cell(network, position, cell)?, volume)
+        }
+    };
     let mut data = vec![(names::PRESSURE, flow.pressure()), (names::VOLUME, &volume)];
     let total = coupled.fluid_has_weight().then(|| coupled.total_pressures()).flatten();
     data.extend(total.as_deref().map(|total| (names::TOTAL_PRESSURE, total)));

@@ -80,7 +80,9 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
 /// A cut through the packing, coloured by pore pressure.
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
-    let Some(flow) = coupled.storage_flow() else { return Ok(()) };
+    // A cut through a periodic cell would show each pore at its faces on one side only.
+    let between_walls = coupled.dem().cell().is_none();
+    let Some(flow) = coupled.storage_flow().filter(|_| between_walls) else { return Ok(()) };
     let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
     let (points, cells) =

@@ -269,10 +269,14 @@ pub fn headline(outcome: &Outcome) -> String {
             )
         }
         Outcome::Permeability(p) => format!(
-            "k_{} = {:.3e} m² ({} walls; {}Kozeny-Carman with {} {:.3e} m²)",
+            "k_{} = {:.3e} m² ({}{}Kozeny-Carman with {} {:.3e} m²)",
             p.axis,
             p.permeability_m2,
-            if p.slip_walls { "slip at" } else { "no slip at" },
+            p.slip_walls.map_or("", |slip| if slip {
+                "slip at walls; "
+            } else {
+                "no slip at walls; "
+            }),
             p.core_permeability_m2
                 .map_or(String::new(), |k| format!("{k:.3e} m² away from them, ")),
             p.kozeny_carman_constant,

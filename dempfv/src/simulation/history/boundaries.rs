@@ -136,6 +136,17 @@ pub(super) static CELL: &[Group] = &[
         placeholder: Some("{component}"),
         labels: |plan| in_cell(plan.cell.is_some(), &COMPONENTS),
     },
+    Group {
+        when: "[cell] with [fluid]",
+        columns: &[column(
+            "cell_fluid_velocity_{axis}_m_s",
+            "m/s",
+            "Mean velocity of the fluid in the cell, by volume of the cell: the flux per area.",
+            |s, k| s.now.cell.map_or(f64::NAN, |cell| cell.fluid_velocity[k]).into(),
+        )],
+        placeholder: Some("{axis}"),
+        labels: |plan| in_cell(plan.cell.is_some() && plan.fluid.is_some(), &["x", "y", "z"]),
+    },
 ];
 
 /// Components of a tensor, by rows.

@@ -20,8 +20,8 @@ use crate::scene::Plan;
 /// All columns that a history may have, in their order.
 pub fn groups() -> impl Iterator<Item = &'static Group> {
     let parts = [general::GROUPS, boundaries::WALLS, energy::GROUPS];
-    let more = [boundaries::WATCHED, boundaries::CELL, energy::BONDS, material::GROUPS];
-    parts.into_iter().chain(more).flatten()
+    let more = [boundaries::WATCHED, boundaries::CELL, energy::MOTIONS, energy::BONDS];
+    parts.into_iter().chain(more).chain([material::GROUPS]).flatten()
 }
 
 /// Names of the columns that the history of a scene has.

@@ -47,6 +47,7 @@ impl<'a> Changes<'a> {
             "sealed_pores",
             "imposed",
             "sources",
+            "pressure_gradient",
         ];
         self.has(&["particles", "density"])
             || self.in_stage("pressure")
