@@ -100,6 +100,61 @@ fn the_cemented_column_is_unconfined() {
     assert!(matches!(press.until, Until::Strain { axis: Axis::Y, .. }));
 }
 
+fn run_of(stage: &Stage) -> Run {
+    match &stage.kind {
+        StageKind::Run(run) => run.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The twins differ in the taps of the last stage alone; both wait for rest before they shear, with a
+/// fluid whose storage keeps the pressures of the shut one determined.
+#[test]
+fn triaxial_twins_differ_in_their_taps() {
+    let [drained, undrained] = ["triaxial-drained.toml", "triaxial-undrained.toml"].map(load);
+    let last = |plan: &Plan| run_of(plan.stages.last().unwrap());
+    let open = last(&drained);
+    let shut = last(&undrained);
+    assert_eq!(open.pressure, None);
+    assert!(shut.pressure.as_ref().unwrap().values().all(Option::is_none));
+    assert_eq!(Run { pressure: None, ..shut }, open);
+    for plan in [&drained, &undrained] {
+        let fluid = plan.fluid.as_ref().unwrap();
+        assert!(fluid.effects.bulk_modulus.is_some());
+        assert_eq!(fluid.pressure_walls().count(), 2);
+        assert!(matches!(run_of(&plan.stages[1]).until, Until::Unbalanced { .. }));
+        assert!(matches!(open.until, Until::Strain { axis: Axis::Y, .. }));
+        assert!(open.walls_in_time[WallId::YMax].is_some() && plan.output.state);
+    }
+    let same = Plan {
+        title: drained.title.clone(),
+        file: drained.file.clone(),
+        stages: drained.stages.clone(),
+        ..undrained.clone()
+    };
+    assert_eq!(same, drained);
+}
+
+/// The pressure rises past the buoyant weight of the bed over its area, which the comment tells.
+#[test]
+fn piping_passes_the_critical_gradient() {
+    let plan = load("piping.toml");
+    let (packing, bounds) = plan.packing().unwrap().unwrap();
+    let solid: f64 =
+        packing.radius.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
+    let fluid = plan.fluid.as_ref().unwrap();
+    let density = plan.particles.material.density - fluid.effects.density.unwrap();
+    let critical = solid * density * 9.81 / bounds.wall_area(WallId::YMin);
+    assert!((critical / 204.0 - 1.0).abs() < 5e-3, "{critical}");
+    let gradient = critical / (1000.0 * 9.81 * bounds.size().y);
+    assert!((gradient - 0.93).abs() < 5e-3, "{gradient}");
+    let flow = run_of(&plan.stages[1]);
+    let pressure = flow.pressure.unwrap();
+    let below = pressure[WallId::YMin].as_ref().unwrap();
+    assert_eq!((below.value(0.0), below.value(0.3)), (0.0, 250.0));
+    assert!(below.value(0.3) > 1.2 * critical);
+}
+
 /// Viscosity rules: films are on, and the Stokes number of a sphere at its own speed of sinking is below
 /// 1.
 #[test]

@@ -19,6 +19,7 @@ pub mod theory;
 mod time_function;
 
 pub use domain::{Aabb, Axis, Cell, CellError, PerWall, Tensor, UnknownWall, Vec3, WallId};
+pub use domain::{deviatoric_stress, mean_stress};
 pub use effect::{Effect, EffectKey, Family};
 pub use error::{Error, Result};
 pub use input::InputError;

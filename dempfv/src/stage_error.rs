@@ -31,6 +31,20 @@ pub enum StageError {
         /// Strain asked for (1).
         goal: f64,
     },
+    /// The state that ends a run was not reached.
+    #[error(
+        "{quantity} {value:.4e} of {goal:.4e} after {steps} steps; allow more max_steps, or another goal"
+    )]
+    GoalNotReached {
+        /// What the stage waits for.
+        quantity: &'static str,
+        /// Steps done in the stage.
+        steps: u64,
+        /// Its value.
+        value: f64,
+        /// The value asked for.
+        goal: f64,
+    },
     /// The time factor that ends a consolidation was not reached.
     #[error(
         "T_v = {time_factor:.4} of {goal:.4} after {steps} steps; allow more max_steps or a larger time step"

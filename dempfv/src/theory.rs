@@ -136,6 +136,9 @@ pub fn time_factor(degree: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Constant of Kozeny and Carman: 36 for the surface of spheres, times 5 as Carman measured it.
+pub const KOZENY_CARMAN: f64 = 180.0;
+
 /// Kozeny-Carman permeability (m²) of spheres at porosity ε with a mean
 /// diameter d (m): k = ε³ d² / (180 (1−ε)²). For spheres of unequal size the
 /// diameter that keeps the specific surface is Sauter's, [`sauter_diameter`].
@@ -148,7 +151,7 @@ pub fn kozeny_carman(porosity: f64, diameter: f64) -> f64 {
     if !((0.0..=1.0).contains(&porosity) && diameter > 0.0) {
         return f64::NAN;
     }
-    porosity.powi(3) * diameter * diameter / (180.0 * (1.0 - porosity).powi(2))
+    porosity.powi(3) * diameter * diameter / (KOZENY_CARMAN * (1.0 - porosity).powi(2))
 }
 
 /// Sauter mean diameter (m) of spheres, 2 Σ r³ / Σ r²: the diameter of equal

@@ -70,6 +70,8 @@ const REEXPORTS: &[(&str, &str)] = &[
     ("UnknownWall", "domain"),
     ("Vec3", "domain"),
     ("WallId", "domain"),
+    ("deviatoric_stress", "domain"),
+    ("mean_stress", "domain"),
     ("Effect", "effect"),
     ("EffectKey", "effect"),
     ("Family", "effect"),

@@ -296,7 +296,11 @@ vtk_every = 17
 checkpoint_every = 19
 pictures = false
 energy = false
+state = true
+contacts = true
 probes = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
+regions = [{ min = [0.1, 0.1, 0.1], max = [0.2, 0.3, 0.4] }]
+section = { axis = "x", position = 0.21 }
 "#;
 
 /// From the friction of the spheres to the end of `[dem]`.
@@ -309,6 +313,10 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ("radius = 0.0123, spread = 0.31", "porosity = 0.871, spread = 0.2"),
     ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 1], [0.02, 1.7], [0.013, 0.4]]"),
     ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 0.1], [0.02, 0.2], [0.013, 0.7]]"),
+    ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 1.0], [0.02, 1.7]], sizes_by = \"mass\""),
+    ("radius = 0.0123, spread = 0.31", "curve = [[0.01, 0.0], [0.015, 0.3], [0.03, 1.0]]"),
+    ("radius = 0.0123, spread = 0.31", "log_normal = { median = 0.02, deviation = 0.3 }"),
+    ("kind = \"compact\"", "kind = \"compact\"\nkeep_radii = true"),
     ("dt = 1.3e-5", "dt = \"auto\""),
     (
         MIDDLE,
@@ -343,6 +351,9 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ("remesh_interval = 77\n", ""),
     ("solver = \"cholmod-gpu\"\ngpu_device = 1\ngpu_memory = 123456789", "solver = \"frontal\""),
     ("until = { strain = -0.2, axis = \"z\", max_steps = 777 }", "steps = 12"),
+    ("strain = -0.2, axis = \"z\"", "stress = 3.1e3, axis = \"x\""),
+    ("strain = -0.2, axis = \"z\"", "porosity = 0.41"),
+    ("strain = -0.2, axis = \"z\"", "unbalanced = 0.02, tolerance = 0.03"),
     ("until = { strain = -0.2, axis = \"z\", max_steps = 777 }", "time = 0.37"),
 ];
 

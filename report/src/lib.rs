@@ -5,7 +5,7 @@
 //! - [`table`](table()): tables for the terminal; [`markdown`]: tables for a page;
 //! - [`format`](mod@format): quantities as people read them;
 //! - [`progress`]: a line on the terminal while work goes on;
-//! - [`json`], [`output`]: where results go;
+//! - [`json`], [`output`]: where results go; [`outputs`]: what they hold;
 //! - [`machine`], [`versions`]: what a measurement depends on;
 //! - [`memory`]: how much there is for a run.
 #![warn(missing_docs)]
@@ -16,6 +16,7 @@ pub mod machine;
 pub mod markdown;
 pub mod memory;
 pub mod output;
+pub mod outputs;
 pub mod plot;
 pub mod progress;
 mod table;

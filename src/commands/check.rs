@@ -217,7 +217,10 @@ fn steps(kind: &StageKind, dt: Option<f64>) -> Option<u64> {
     match run.until {
         Until::Steps(steps) => Some(steps),
         Until::Time(time) => dt.map(|dt| (time / dt).ceil() as u64),
-        Until::Strain { .. } => None,
+        Until::Strain { .. }
+        | Until::Stress { .. }
+        | Until::Porosity { .. }
+        | Until::Unbalanced { .. } => None,
     }
 }
 

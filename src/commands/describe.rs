@@ -1,8 +1,8 @@
 //! The parts of a plan in words.
 
-use dempfv::PerWall;
 use dempfv::coupling::{Acceleration, RemeshMode, Swap};
 use dempfv::scene::*;
+use dempfv::{PerWall, TimeFunction};
 use dempfv_report::format::{count, si, three_digits};
 
 /// What a stage does and when it ends, and the mechanics that it has of its own.
@@ -18,7 +18,8 @@ pub fn stage(stage: &Stage) -> String {
 fn kind(kind: &StageKind) -> String {
     match kind {
         StageKind::Compact(s) => format!(
-            "radii grow to {}{}; ends at unbalanced force {} with the stress within {} %",
+            "{} to {}{}; ends at unbalanced force {} with the stress within {} %",
+            if s.keep_radii { "the box shrinks" } else { "radii grow" },
             si(s.stress, "Pa"),
             friction(s.friction_angle),
             s.unbalanced,
@@ -51,10 +52,21 @@ fn run(run: &Run) -> String {
         Until::Strain { strain, axis, .. } => {
             format!("to a strain of {} % along {}", three_digits(100.0 * strain), axis.name())
         }
+        Until::Stress { stress, axis, .. } => {
+            format!("to a total stress of {} along {}", si(stress, "Pa"), axis.name())
+        }
+        Until::Porosity { porosity, .. } => format!("to a porosity of {}", three_digits(porosity)),
+        Until::Unbalanced { unbalanced, .. } => {
+            format!("until at rest, at an unbalanced force of {unbalanced}")
+        }
     };
-    let flow = if run.fluid { "coupled" } else { "dry" };
+    let flow = match &run.pressure {
+        _ if !run.fluid => "dry".to_owned(),
+        Some(walls) => format!("coupled, {}", pressures(walls)),
+        None => "coupled".to_owned(),
+    };
     let moving = match *run.cell == CellControls::default() {
-        true => controls(&run.walls),
+        true => controls(run),
         false => cell_controls(&run.cell),
     };
     format!("{end}, {flow}, {moving}{}", friction(run.friction_angle))
@@ -83,16 +95,46 @@ pub fn cell(shape: &CellShape) -> String {
     format!("{} at {}°", lengths.join(" × "), angles.join("°, "))
 }
 
-fn controls(walls: &PerWall<WallControl>) -> String {
-    let moving: Vec<String> = walls
+fn controls(run: &Run) -> String {
+    let moving: Vec<String> = run
+        .walls
         .iter()
-        .filter_map(|(wall, control)| match *control {
-            WallControl::Fixed => None,
-            WallControl::Velocity(velocity) => Some(format!("{wall} at {}", si(velocity, "m/s"))),
-            WallControl::Servo { stress, .. } => Some(format!("{wall} under {}", si(stress, "Pa"))),
+        .filter_map(|(wall, control)| {
+            let value = |value: f64, unit: &str| match &run.walls_in_time[wall] {
+                Some(function) => in_time(function, unit),
+                None => si(value, unit),
+            };
+            match *control {
+                WallControl::Fixed => None,
+                WallControl::Velocity(v) => Some(format!("{wall} at {}", value(v, "m/s"))),
+                WallControl::Servo { stress, .. } => {
+                    Some(format!("{wall} under {}", value(stress, "Pa")))
+                }
+            }
         })
         .collect();
     if moving.is_empty() { "all walls fixed".to_owned() } else { moving.join(", ") }
+}
+
+/// The pressures of a stage's own.
+fn pressures(walls: &PerWall<Option<TimeFunction>>) -> String {
+    let on = walls.iter().filter_map(|(wall, p)| Some((wall, p.as_ref()?)));
+    let all: Vec<String> = on.map(|(wall, p)| format!("{} on {wall}", in_time(p, "Pa"))).collect();
+    if all.is_empty() { "no wall drained".to_owned() } else { all.join(", ") }
+}
+
+/// A function of time from its beginning to its end.
+fn in_time(function: &TimeFunction, unit: &str) -> String {
+    match function {
+        TimeFunction::Constant(value) => si(*value, unit),
+        TimeFunction::Ramp(points) => {
+            let values: Vec<String> = points.iter().map(|[_, value]| si(*value, unit)).collect();
+            values.join(" → ")
+        }
+        TimeFunction::Sine { mean, amplitude, frequency } => {
+            format!("{} ± {} at {}", si(*mean, unit), si(*amplitude, unit), si(*frequency, "Hz"))
+        }
+    }
 }
 
 fn friction(angle: Option<f64>) -> String {
@@ -108,6 +150,11 @@ pub fn source(source: &ParticleSource) -> String {
                 "random cloud, mean radius {} ± {} %",
                 si(*mean, "m"),
                 three_digits(100.0 * spread)
+            ),
+            Sizes::Curve(_) | Sizes::LogNormal(_) => format!(
+                "random cloud graded by mass, diameters from {} to {}",
+                si(2.0 * cloud.sizes.smallest(), "m"),
+                si(2.0 * cloud.sizes.largest(), "m")
             ),
             Sizes::Classes(classes) => {
                 format!(

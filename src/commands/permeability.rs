@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Flow};
 use dempfv::scene::{load_packing, load_periodic_packing};
-use dempfv::theory::{kozeny_carman, sauter_diameter};
+use dempfv::theory::{KOZENY_CARMAN, kozeny_carman, sauter_diameter};
 use dempfv::{Cell, Error, InputError, WallId};
 use dempfv_report::format::{si, three_digits};
 use serde::Serialize;
@@ -26,6 +26,8 @@ pub struct Args {
 #[derive(Serialize)]
 pub struct Report {
     axes: Vec<Axis>,
+    /// Whether the fluid slips along the walls beside the flow; `None` in a periodic cell.
+    slip_walls: Option<bool>,
     /// Of a periodic cell the whole tensor, by rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     tensor_m2: Option<[[f64; 3]; 3]>,
@@ -33,6 +35,8 @@ pub struct Report {
     porosity: Option<f64>,
     sauter_diameter_m: f64,
     kozeny_carman_m2: Option<f64>,
+    /// The constant in it.
+    kozeny_carman_constant: f64,
     warnings: Vec<String>,
 }
 
@@ -40,6 +44,8 @@ pub struct Report {
 struct Axis {
     axis: &'static str,
     permeability_m2: f64,
+    /// Farther than a Sauter diameter from every wall; `None` where nothing is.
+    core_permeability_m2: Option<f64>,
     flux_m3_s: f64,
     imbalance: f64,
 }
@@ -74,11 +80,13 @@ pub fn run(args: &Args) -> Result<Report, Error> {
         axes.push(Axis {
             axis,
             permeability_m2: k.value,
+            core_permeability_m2: flow.core_permeability(wall, sauter_diameter(&packing.radius)),
             flux_m3_s: k.flux,
             imbalance: k.imbalance,
         });
     }
-    Ok(Report::of(axes, None, &packing, bounds.volume(), warnings))
+    let report = Report::of(axes, None, &packing, bounds.volume(), warnings);
+    Ok(Report { slip_walls: Some(args.fluid.slip), ..report })
 }
 
 /// One flow per axis through a periodic cell, by a mean gradient of 1 Pa/m.
@@ -91,6 +99,7 @@ fn in_cell(args: &Args, packing: &Packing, cell: &Cell) -> Result<Report, Error>
     let axes = axes.map(|(k, axis)| Axis {
         axis,
         permeability_m2: tensor[(k, k)],
+        core_permeability_m2: None,
         // Of a cube of the cell's volume, for 1 Pa across it.
         flux_m3_s: tensor[(k, k)] * cell.volume().cbrt() / fluid.viscosity,
         imbalance: flow.imbalance(),
@@ -121,10 +130,12 @@ impl Report {
         }
         Report {
             axes,
+            slip_walls: None,
             tensor_m2,
             porosity,
             sauter_diameter_m,
             kozeny_carman_m2: porosity.map(|n| kozeny_carman(n, sauter_diameter_m)),
+            kozeny_carman_constant: KOZENY_CARMAN,
             warnings,
         }
     }
@@ -133,7 +144,13 @@ impl Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for a in &self.axes {
-            writeln!(f, "  k along {}       {:.6e} m²", a.axis, a.permeability_m2)?;
+            let core = a.core_permeability_m2;
+            let core = core.map_or(String::new(), |k| format!(", {k:.6e} m² away from walls"));
+            writeln!(f, "  k along {}       {:.6e} m²{core}", a.axis, a.permeability_m2)?;
+        }
+        if let Some(slip) = self.slip_walls {
+            let slip = if slip { "slips along walls" } else { "sticks to walls" };
+            writeln!(f, "                  (the fluid {slip} beside the flow)")?;
         }
         for (name, row) in ["x", "y", "z"].iter().zip(self.tensor_m2.iter().flatten()) {
             let [x, y, z] = row;
@@ -142,7 +159,11 @@ impl fmt::Display for Report {
         if let (Some(k), Some(n)) = (self.kozeny_carman_m2, self.porosity) {
             writeln!(f, "  Kozeny-Carman   {k:.6e} m²")?;
             let (n, d) = (three_digits(n), si(self.sauter_diameter_m, "m"));
-            writeln!(f, "                  (porosity {n}, Sauter mean diameter {d})")?;
+            writeln!(
+                f,
+                "                  (constant {}, porosity {n}, Sauter mean diameter {d})",
+                self.kozeny_carman_constant
+            )?;
         }
         self.warnings.iter().try_for_each(|w| writeln!(f, "  warning         {w}"))
     }

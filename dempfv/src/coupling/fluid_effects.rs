@@ -41,6 +41,8 @@ pub struct FluidEffects {
     /// Pressures of walls that change with time (Pa), in the place of those of
     /// [`Boundary`](crate::pfv::Boundary), which are needed too and hold at the beginning.
     pub wall_pressure: PerWall<Option<TimeFunction>>,
+    /// Model time from which these functions count (s).
+    pub wall_pressure_start: f64,
     /// Pressures imposed on pores of choice.
     pub imposed: Vec<ImposedPressure>,
     /// What enters pores of choice.
@@ -78,7 +80,8 @@ impl FluidEffects {
     /// such walls.
     pub(super) fn wall_pressures(&self, time: f64) -> Option<PerWall<Option<f64>>> {
         let changes = self.wall_pressure.values().any(Option::is_some);
-        changes.then(|| self.wall_pressure.map(|p| p.as_ref().map(|p| p.value(time))))
+        let since = time - self.wall_pressure_start;
+        changes.then(|| self.wall_pressure.map(|p| p.as_ref().map(|p| p.value(since))))
     }
 
     /// The terms that the matrix of a network is made with, for a first step of this length (s).

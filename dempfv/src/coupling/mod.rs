@@ -27,6 +27,7 @@ mod network_source;
 mod observe;
 mod options;
 mod phases;
+mod pore_pressures;
 mod remesher;
 mod saturation;
 mod state;

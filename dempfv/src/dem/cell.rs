@@ -152,6 +152,13 @@ impl PeriodicCell {
         Ok(())
     }
 
+    /// Multiplies its edges.
+    pub(super) fn scale(&mut self, factor: f64) -> Result<(), DemError> {
+        self.cell = Cell::new(self.cell.edges().map(|edge| factor * edge))?;
+        self.strain += Tensor::from_diagonal_element(factor.ln());
+        Ok(())
+    }
+
     /// Takes the short edges; returns whether they were others.
     pub(super) fn reduce(&mut self) -> bool {
         match self.cell.reduced() {

@@ -4,6 +4,8 @@ use super::error::DemError;
 use super::law::Needs;
 use super::material::{Material, MaterialPair, check_friction, positive};
 use super::system::{Dem, DemOptions};
+use super::walls::check_box;
+use crate::{Aabb, Vec3};
 
 impl Dem {
     /// Changes the friction angle between spheres (rad), whatever their material.
@@ -91,6 +93,46 @@ impl Dem {
         let Dem { held, particles, centre, .. } = self;
         held.clumps.scale(factor, particles, centre);
         self.list.resized();
+        if self.tracks_energy() {
+            self.track_energy(true);
+        }
+        Ok(())
+    }
+
+    /// Multiplies all lengths between spheres by `factor`: places in the box, seen from its lower
+    /// corner, and the box, or the periodic cell. Radii, clumps and velocities stay. Energy that is tracked
+    /// ([`Dem::track_energy`]) is tracked anew.
+    ///
+    /// # Errors
+    /// [`DemError::Parameter`] for a factor that is not positive, or so large or small that there is no
+    /// box or cell left.
+    pub fn scale_space(&mut self, factor: f64) -> Result<(), DemError> {
+        positive("factor of lengths", factor)?;
+        let origin = match &mut self.cell {
+            Some(cell) => {
+                cell.scale(factor)?;
+                Vec3::zeros()
+            }
+            None => {
+                let Aabb { min, max } = self.box_();
+                check_box(&Aabb { min, max: min + factor * (max - min) })?;
+                for (wall, state) in self.walls.iter_mut() {
+                    state.shift((factor - 1.0) * (state.position - min[wall.axis()]));
+                }
+                min
+            }
+        };
+        let place = |x: &Vec3| origin + factor * (x - origin);
+        for (x, c) in self.particles.position.iter_mut().zip(&mut self.centre) {
+            *x = place(x);
+            c[..3].copy_from_slice(x.as_slice());
+        }
+        let Dem { held, particles, centre, .. } = self;
+        held.clumps.put(place, particles, centre);
+        match self.cell {
+            Some(_) => self.list.outdate(),
+            None => self.list.resized(),
+        }
         if self.tracks_energy() {
             self.track_energy(true);
         }

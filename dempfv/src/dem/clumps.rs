@@ -113,8 +113,24 @@ impl Clumps {
 
     /// Makes all clumps larger by `factor`, with the radii of their members.
     pub fn scale(&mut self, factor: f64, particles: &mut Particles, centre: &mut [[f64; 4]]) {
-        for Rigid { body, places, .. } in &mut self.rigid {
-            body.scale(factor);
+        self.rigid.iter_mut().for_each(|rigid| rigid.body.scale(factor));
+        self.put_members(particles, centre);
+    }
+
+    /// Puts the centres of all clumps elsewhere, and their members with them.
+    pub fn put(
+        &mut self,
+        place: impl Fn(&Vec3) -> Vec3,
+        particles: &mut Particles,
+        centre: &mut [[f64; 4]],
+    ) {
+        self.rigid.iter_mut().for_each(|rigid| rigid.body.centre = place(&rigid.body.centre));
+        self.put_members(particles, centre);
+    }
+
+    /// Puts members where their clumps are.
+    fn put_members(&self, particles: &mut Particles, centre: &mut [[f64; 4]]) {
+        for Rigid { body, places, .. } in &self.rigid {
             for (&k, at) in places.iter().zip(&body.places) {
                 let x = body.centre + body.orientation.transform_vector(at);
                 particles.position[k] = x;

@@ -11,11 +11,12 @@ use crate::{Effect, EffectKey, Family};
 pub const EFFECT: Effect = Effect {
     name: "growth of radii",
     family: Family::Bodies,
-    equation: "r → r (1 + (σ_goal − σ)/σ_goal (m − 1)) every 10 steps",
+    equation: "r → r (1 + (σ_goal − σ)/σ_goal (m − 1)) every 10 steps, or the box by the inverse",
     source: "YADE's TriaxialCompressionEngine, internal compaction",
     keys: &[
         EffectKey { key: "kind = \"compact\" of a stage", unit: "", default: "none" },
         EffectKey { key: "stress in a compact stage", unit: "Pa", default: "required" },
+        EffectKey { key: "keep_radii in a compact stage", unit: "", default: "false" },
     ],
     needs: "walls or a periodic cell at rest",
     test: "dempfv/tests/dem_growth.rs",
@@ -41,6 +42,9 @@ pub struct GrowthOptions {
     pub stress_tolerance: f64,
     /// Give up after this many steps.
     pub max_steps: u64,
+    /// Radii stay; the box or the cell shrinks instead, with the places of the spheres in it
+    /// ([`Dem::scale_space`]).
+    pub keep_radii: bool,
 }
 
 impl GrowthOptions {
@@ -57,6 +61,7 @@ impl GrowthOptions {
             unbalanced_tolerance: 1e-3,
             stress_tolerance: 1e-3,
             max_steps: 200_000,
+            keep_radii: false,
         }
     }
 
@@ -203,7 +208,10 @@ impl GrowthCompaction {
         let largest = if self.passed { self.options.slow_factor } else { self.options.fast_factor };
         // An early burst of stress must not shrink the spheres to nothing.
         let factor = (1.0 + missing * (largest - 1.0)).max(0.9);
-        dem.scale_radii(factor)?;
+        match self.options.keep_radii {
+            true => dem.scale_space(1.0 / factor)?,
+            false => dem.scale_radii(factor)?,
+        }
         self.choose_time_step(dem)
     }
 

@@ -160,9 +160,13 @@ impl Wall {
             WallControl::Velocity(v) => v,
             WallControl::Servo { .. } => -wall.inward() * servo_shift / dt,
         };
-        let shift = self.velocity * dt;
-        self.position += shift;
-        self.displacement += shift;
+        self.shift(self.velocity * dt);
+    }
+
+    /// Puts the wall elsewhere (m).
+    pub(super) fn shift(&mut self, way: f64) {
+        self.position += way;
+        self.displacement += way;
     }
 
     /// Keeps what the servo has learned in a step. `area` is the wall's (m²), `touched` says whether

@@ -1,13 +1,17 @@
 //! The box that holds the packing, the names of its six walls, and the cell that has none.
 
+mod ball_in_box;
 mod cell;
+mod invariants;
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+pub(crate) use ball_in_box::ball_in_box;
 pub use cell::{Cell, CellError};
+pub use invariants::{deviatoric_stress, mean_stress};
 
 /// A point or a vector in space; SI units as the field that holds it says.
 pub type Vec3 = nalgebra::Vector3<f64>;

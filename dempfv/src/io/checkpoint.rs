@@ -8,21 +8,67 @@
 use std::io;
 use std::path::Path;
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::atomic::AtomicFile;
 use crate::excerpt::excerpt;
 use crate::input::InputError;
 use crate::io::IoError;
 use crate::io::error::Result;
+use crate::{Aabb, Cell, Vec3};
 
 const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
-const FORMAT: u32 = 8;
+const FORMAT: u32 = 9;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const REMEDY: &str =
     "give a checkpoint that this version of dempfv wrote, or begin the run anew without it";
+
+/// What the first part of a state says it is.
+const SPHERES: &str = "spheres";
+
+/// Spheres with what is around them: what a state begins with whose checkpoint may be read as a
+/// packing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spheres {
+    kind: String,
+    /// Centres (m), by the user's numbers.
+    pub position: Vec<Vec3>,
+    /// Radii (m).
+    pub radius: Vec<f64>,
+    /// The box (m); `None` in a periodic cell.
+    pub bounds: Option<Aabb>,
+    /// The periodic cell; `None` between walls.
+    pub cell: Option<Cell>,
+}
+
+impl Spheres {
+    /// Spheres in a box or in a cell.
+    pub fn new(
+        position: Vec<Vec3>,
+        radius: Vec<f64>,
+        bounds: Option<Aabb>,
+        cell: Option<Cell>,
+    ) -> Spheres {
+        Spheres { kind: SPHERES.to_owned(), position, radius, bounds, cell }
+    }
+
+    /// The spheres that the state in a checkpoint begins with; `None` for bytes that are no checkpoint.
+    pub(super) fn of_bytes(bytes: &[u8]) -> Option<Result<Spheres, InputError>> {
+        if !bytes.starts_with(MAGIC) {
+            return None;
+        }
+        let spheres = body(bytes).and_then(|body| {
+            let other = "the checkpoint's state has no spheres to begin with";
+            match postcard::take_from_bytes::<Spheres>(body) {
+                Ok((spheres, _)) if spheres.kind == SPHERES => Ok(spheres),
+                _ => Err(other.to_owned()),
+            }
+        });
+        Some(spheres.map_err(|what| InputError::new(what, REMEDY)))
+    }
+}
 
 /// Writes a checkpoint. The one that was there is replaced only once the disk
 /// has the new one.

@@ -12,12 +12,14 @@
 //! A line holds `x y z r` in metres. The box is `xmin ymin zmin xmax ymax
 //! zmax`. Files that others write load as they are: YADE's `export.text`, `textExt` and
 //! `SpherePack.save`, Woo's sphere lists, tables with a line of column names (CSV), and dumps of
-//! LAMMPS, whose last snapshot and box are taken. Clumps are the spheres that they consist of.
+//! LAMMPS, whose last snapshot and box are taken. Clumps are the spheres that they consist of. Of a
+//! checkpoint of a run, the spheres are taken with their box or cell, at rest.
 
 use std::io::{self, Write};
 use std::path::Path;
 
 use super::atomic;
+use super::checkpoint::Spheres;
 use super::number::number;
 use super::packing_layout::{LINE_FORM, Layout, is_header, words};
 use crate::input::InputError;
@@ -38,7 +40,7 @@ pub struct Packing {
     pub position: Vec<Vec3>,
     /// Radii (m), all positive.
     pub radius: Vec<f64>,
-    /// Line of the file that each sphere stands on, counted from 1.
+    /// Line of the file that each sphere stands on, counted from 1; empty for a checkpoint.
     pub line: Vec<usize>,
     /// The box that the file states, if it does.
     pub bounds: Option<Aabb>,
@@ -47,7 +49,7 @@ pub struct Packing {
 }
 
 impl Packing {
-    /// Reads a packing file.
+    /// Reads a packing file, or the spheres of a run's checkpoint.
     ///
     /// # Errors
     /// [`InputError`] with file and line: the file is missing or unreadable, a
@@ -55,11 +57,26 @@ impl Packing {
     /// positive, the box is malformed, there is no sphere.
     pub fn read(path: &Path) -> Result<Packing, InputError> {
         let bytes = std::fs::read(path).map_err(|e| unreadable(path, &e))?;
+        if let Some(spheres) = Spheres::of_bytes(&bytes) {
+            return spheres.and_then(Packing::of).map_err(|e| e.in_file(path));
+        }
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             let line = 1 + bytes[..e.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
             InputError::new("not text", LINE_FORM).in_file(path).at_line(line)
         })?;
         Packing::parse(text).map_err(|e| e.in_file(path))
+    }
+
+    /// The spheres of a checkpoint.
+    fn of(spheres: Spheres) -> Result<Packing, InputError> {
+        let Spheres { position, radius, bounds, cell, .. } = spheres;
+        let numbers = position.iter().flatten().chain(&radius);
+        let sound = numbers.into_iter().all(|x| x.is_finite()) && radius.iter().all(|r| *r > 0.0);
+        if position.len() != radius.len() || !sound {
+            let what = "the checkpoint's spheres are none: a number is missing, not finite or not positive";
+            return Err(InputError::new(what, "take a checkpoint that this program wrote"));
+        }
+        Ok(Packing { position, radius, line: vec![], bounds, cell })
     }
 
     /// Reads the text of a packing file.

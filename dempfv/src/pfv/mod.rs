@@ -19,6 +19,7 @@ mod cell_network;
 mod cell_tessellation;
 mod centroid;
 mod clamp;
+mod core_permeability;
 mod drag;
 mod edges;
 mod error;

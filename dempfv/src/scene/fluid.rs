@@ -115,6 +115,15 @@ impl Fluid {
         self.effects.wall_pressure.values().any(Option::is_some)
     }
 
+    /// The fluid with other pressures on the walls (Pa), with the time from `start` on (s).
+    pub fn with_pressures(&self, walls: &PerWall<Option<TimeFunction>>, start: f64) -> Fluid {
+        let mut fluid = self.clone();
+        fluid.fluid.boundary.pressure = walls.map(|p| p.as_ref().map(|p| p.value(0.0)));
+        fluid.effects.wall_pressure = walls.map(changing);
+        fluid.effects.wall_pressure_start = start;
+        fluid
+    }
+
     /// What fills the pores of a coupled stage.
     pub fn saturation(&self) -> Saturation {
         Saturation { fluid: self.fluid, solver: self.solver, remesh: self.remesh }
@@ -172,8 +181,13 @@ fn pressure(
     });
     keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut both.0)?;
     boundary.pressure = both.map(|p| p.as_ref().map(|p| p.value(0.0)));
-    *in_time = both.map(|p| p.clone().filter(|p| !matches!(p, TimeFunction::Constant(_))));
+    *in_time = both.map(changing);
     Ok(())
+}
+
+/// A function that is not always the same.
+fn changing(function: &Option<TimeFunction>) -> Option<TimeFunction> {
+    function.clone().filter(|p| !matches!(p, TimeFunction::Constant(_)))
 }
 
 /// When networks are built anew. The strain has been looked at.

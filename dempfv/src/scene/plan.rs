@@ -1,5 +1,6 @@
 //! What a scene asks for, as plain validated data. SI units; angles in radians.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -203,17 +204,25 @@ impl Plan {
         }
         self.material_rules()?;
         self.contact_rules()?;
+        if let Some(wrong) = self.output.wrong_in(self.cell.is_some(), self.dem.is_some()) {
+            let what = format!("[output] {}", wrong.problem);
+            return Err(Fault { place: Place::Table("output"), what, remedy: wrong.remedy });
+        }
         self.body_rules()?;
-        let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
+        let mut coupled = self.stages.iter().filter(|s| s.kind.is_coupled());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
         let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
             let edges = &fluid.effects.edges;
-            let walls = coupled.filter(|_| self.cell.is_none());
-            let undetermined = walls.and_then(|s| fluid.undetermined_in(&s.name));
+            let is_coupled = coupled.clone().next().is_some();
+            let undetermined = |s: &Stage| s.kind.fluid(fluid, 0.0).undetermined_in(&s.name);
+            let undetermined = match self.cell {
+                None => coupled.find_map(undetermined),
+                Some(_) => None,
+            };
             undetermined
                 .or(fluid.weightless(gravity))
-                .or_else(|| lubrication::wrong_in(edges, coupled.is_some(), turns))
+                .or_else(|| lubrication::wrong_in(edges, is_coupled, turns))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -461,7 +470,14 @@ impl Plan {
         let moving: Vec<Dem> = self.stages.iter().filter_map(|s| self.mechanics(s)).collect();
         let contacts = !moving.is_empty();
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
-        let coupled = self.fluid.as_ref().filter(|_| any(StageKind::is_coupled));
+        let mut coupled: Vec<Cow<Fluid>> = vec![];
+        if let Some(fluid) = &self.fluid {
+            let stages = self.stages.iter().filter(|s| s.kind.is_coupled());
+            coupled.extend(stages.map(|s| s.kind.fluid(fluid, 0.0)));
+        }
+        // Stages differ in their pressures alone.
+        let coupled = coupled.iter().find(|f| f.changes_pressures()).or(coupled.first());
+        let coupled = coupled.map(|fluid| &**fluid);
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
         let flow = coupled.or(self.fluid.as_ref().filter(|_| measured));
         let mut effects = Vec::new();

@@ -9,6 +9,7 @@ use super::cell::{self, CellShape};
 use super::contacts::{self, Contacts};
 use super::dem::{self, Dem};
 use super::fluid::{self, Fluid};
+use super::grading;
 use super::keys::{Keyed, Keys};
 use super::kind::{Count, Kind, Vector, quoted};
 use super::materials::{self, OtherMaterial, Pair};
@@ -20,11 +21,13 @@ use super::plan::{self, Place, Plan};
 use super::region;
 use super::schema::Schema;
 use super::sizes;
-use super::stage::{Before, Stage, cell_controls, compact, consolidate, cycle, permeability, run};
+use super::stage::{Before, Stage, cell_controls, compact, consolidate, control, cycle};
+use super::stage::{permeability, run, until};
 use super::syntax;
 use super::table::{Source, Table, Value};
 use super::time_function;
 use super::walls::{self, Walls};
+use super::watched;
 use crate::domain::Aabb;
 use crate::error::Error;
 use crate::input::InputError;
@@ -32,7 +35,7 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 28] = [
+static SCHEMAS: [&Schema; 31] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
@@ -40,6 +43,7 @@ static SCHEMAS: [&Schema; 28] = [
     &materials::MATERIAL,
     &materials::PAIR,
     &sizes::SCHEMA,
+    &grading::LOG_NORMAL,
     &walls::SCHEMA,
     &contacts::SCHEMA,
     &bonds::SCHEMA,
@@ -51,14 +55,16 @@ static SCHEMAS: [&Schema; 28] = [
     &region::IMPOSED,
     &region::SOURCES,
     &output::SCHEMA,
+    &watched::REGIONS,
+    &watched::SECTION,
     &compact::SCHEMA,
     &cycle::SCHEMA,
     &permeability::SCHEMA,
     &consolidate::SCHEMA,
     &run::SCHEMA,
-    &run::UNTIL,
-    &run::WALLS,
-    &run::CONTROL,
+    &until::SCHEMA,
+    &control::WALLS,
+    &control::CONTROL,
     &cell_controls::GRADIENT,
     &cell_controls::STRESS,
 ];

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::grading::{Curve, GradingCurve, LogNormal, Normal};
 use super::keys::{Keyed, Keys};
-use super::kind::{Count, Kind, Number, inline, number};
+use super::kind::{Count, Kind, Number, OneOf, inline, number};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
 use super::wrong::Wrong;
@@ -12,8 +13,10 @@ use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
 
-pub(super) static SCHEMA: Schema =
-    Schema::table("`cloud`", &["count", "porosity", "radius", "spread", "sizes"]);
+pub(super) static SCHEMA: Schema = Schema::table(
+    "`cloud`",
+    &["count", "porosity", "radius", "spread", "sizes", "sizes_by", "curve", "log_normal"],
+);
 
 const RADIUS: Number = number("m", Bound::Positive);
 const SHARE: Number = number("", Bound::Positive);
@@ -42,6 +45,10 @@ pub enum Sizes {
     },
     /// A few radii with their shares.
     Classes(Vec<SizeClass>),
+    /// A grading curve by mass.
+    Curve(GradingCurve),
+    /// A log-normal grading by mass.
+    LogNormal(LogNormal),
 }
 
 /// One class of a size distribution.
@@ -64,39 +71,59 @@ impl Default for Cloud {
 impl Sizes {
     /// Expected volume of one sphere (m³).
     pub fn mean_volume(&self) -> f64 {
-        let mean_cube = match self {
-            // Third moment of the uniform distribution: m³ (1 + s²).
-            Sizes::Uniform { mean, spread } => mean.powi(3) * (1.0 + spread * spread),
-            Sizes::Classes(classes) => classes.iter().map(|c| c.share * c.radius.powi(3)).sum(),
-        };
-        4.0 / 3.0 * std::f64::consts::PI * mean_cube
+        4.0 / 3.0 * std::f64::consts::PI * self.moments()[1]
     }
 
     /// Diameter with the mean ratio of volume to surface, 2 Σ r³ / Σ r² (m).
     pub fn sauter_diameter(&self) -> f64 {
-        let mean_square = match self {
-            // Second moment of the uniform distribution: m² (1 + s²/3).
-            Sizes::Uniform { mean, spread } => mean.powi(2) * (1.0 + spread * spread / 3.0),
-            Sizes::Classes(classes) => classes.iter().map(|c| c.share * c.radius.powi(2)).sum(),
-        };
-        2.0 * self.mean_volume() / (4.0 / 3.0 * std::f64::consts::PI * mean_square)
+        let [square, cube] = self.moments();
+        2.0 * cube / square
+    }
+
+    /// Means of r² and r³ by number (m², m³).
+    fn moments(&self) -> [f64; 2] {
+        match self {
+            // Of the uniform distribution m² (1 + s²/3) and m³ (1 + s²).
+            Sizes::Uniform { mean, spread } => {
+                let s2 = spread * spread;
+                [mean.powi(2) * (1.0 + s2 / 3.0), mean.powi(3) * (1.0 + s2)]
+            }
+            Sizes::Classes(classes) => {
+                [2, 3].map(|k| classes.iter().map(|c| c.share * c.radius.powi(k)).sum())
+            }
+            Sizes::Curve(curve) => of_curve(curve),
+            Sizes::LogNormal(grading) => of_curve(&grading.curve()),
+        }
     }
 
     /// Smallest radius that can be drawn (m).
     pub fn smallest(&self) -> f64 {
-        match self {
-            Sizes::Uniform { mean, spread } => mean * (1.0 - spread),
-            Sizes::Classes(classes) => {
-                classes.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min)
-            }
-        }
+        self.ends()[0]
     }
 
     /// Largest radius that can be drawn (m).
     pub fn largest(&self) -> f64 {
+        self.ends()[1]
+    }
+
+    fn ends(&self) -> [f64; 2] {
         match self {
-            Sizes::Uniform { mean, spread } => mean * (1.0 + spread),
-            Sizes::Classes(classes) => classes.iter().map(|c| c.radius).fold(0.0, f64::max),
+            Sizes::Uniform { mean, spread } => [mean * (1.0 - spread), mean * (1.0 + spread)],
+            Sizes::Classes(classes) => {
+                let radii = classes.iter().map(|c| c.radius);
+                radii.fold([f64::INFINITY, 0.0], |[a, b], r| [a.min(r), b.max(r)])
+            }
+            Sizes::Curve(curve) => curve.ends().map(|d| 0.5 * d),
+            Sizes::LogNormal(grading) => grading.curve().ends().map(|d| 0.5 * d),
+        }
+    }
+
+    /// The grading by mass that is asked for, if one is.
+    pub fn grading_curve(&self) -> Option<GradingCurve> {
+        match self {
+            Sizes::Curve(curve) => Some(curve.clone()),
+            Sizes::LogNormal(grading) => Some(grading.curve()),
+            Sizes::Uniform { .. } | Sizes::Classes(_) => None,
         }
     }
 
@@ -107,6 +134,12 @@ impl Sizes {
         let spread = if let Sizes::Uniform { spread, .. } = self { *spread } else { 0.0 };
         Sizes::Uniform { mean: (one / self.mean_volume()).cbrt(), spread }
     }
+}
+
+/// Means of r² and r³ by number (m², m³): the number of spheres goes with d⁻³ by mass.
+fn of_curve(curve: &GradingCurve) -> [f64; 2] {
+    let number = curve.moment(-3);
+    [0.25 * curve.moment(-1) / number, 0.125 / number]
 }
 
 /// Random placement without overlaps jams at a solid fraction of 0.384 for equal spheres
@@ -179,18 +212,35 @@ impl Keyed for Cloud {
                 keys.take("sizes", &Classes, classes)?;
                 keys.rule("sizes", shares_wrong(classes))
             }
+            Sizes::Curve(curve) => keys.take("curve", &Curve, curve),
+            Sizes::LogNormal(grading) => keys.take("log_normal", &Normal, grading),
         }
     }
 }
 
-/// Reads whichever of `porosity`, `radius` and `sizes` says how large the spheres are.
+/// Keys that say how large the spheres are.
+const SIZES: [&str; 5] = ["porosity", "radius", "sizes", "curve", "log_normal"];
+
+/// Reads the one of these keys that is there, with what goes with it.
 fn read_sizes(value: &Value, table: &Table, bounds: &Aabb, count: u32) -> Result<Sizes> {
-    let spread = match table.get("spread") {
-        Some(v) => SPREAD.read(&v)?,
-        None => 0.0,
+    const WANTED: &str = "give one of `porosity`, `radius` (the mean, m), `sizes` ([[radius, share], ...]), \
+                          `curve` ([[diameter, finer], ...]), `log_normal` ({ median, deviation })";
+    let mut given = SIZES.iter().filter_map(|key| table.get(key));
+    let Some(v) = given.next() else {
+        return Err(value.error("does not say how large the spheres are", WANTED));
     };
-    match (table.get("porosity"), table.get("radius"), table.get("sizes")) {
-        (Some(v), None, None) => {
+    if given.next().is_some() {
+        let problem = "has more than one of `porosity`, `radius`, `sizes`, `curve`, `log_normal`";
+        return Err(value.error(problem, "keep one: each says how large the spheres are"));
+    }
+    for (key, with) in [("spread", &["porosity", "radius"][..]), ("sizes_by", &["sizes"])] {
+        if let Some(other) = table.get(key).filter(|_| !with.contains(&v.key())) {
+            return Err(other.error(&format!("stands beside `{}`", v.key()), "keep one of the two"));
+        }
+    }
+    let spread = table.get("spread").map_or(Ok(0.0), |v| SPREAD.read(&v))?;
+    match v.key() {
+        "porosity" => {
             let porosity = v.number("", Bound::InsideUnit)?;
             let unit = Sizes::Uniform { mean: 1.0, spread };
             let sizes = unit.for_porosity(porosity, bounds.volume(), count);
@@ -201,20 +251,25 @@ fn read_sizes(value: &Value, table: &Table, bounds: &Aabb, count: u32) -> Result
             };
             if smallest.is_normal() { Ok(sizes) } else { Err(v.wrong(wrong())) }
         }
-        (None, Some(v), None) => Ok(Sizes::Uniform { mean: RADIUS.read(&v)?, spread }),
-        (None, None, Some(v)) => match table.get("spread") {
-            None => Ok(Sizes::Classes(Classes.read(&v)?)),
-            Some(spread) => Err(spread.error("stands beside `sizes`", "keep one of the two")),
-        },
-        (None, None, None) => Err(value.error(
-            "does not say how large the spheres are",
-            "give one of `porosity`, `radius` (the mean, m), `sizes` ([[radius, share], ...])",
-        )),
-        _ => Err(value.error(
-            "has more than one of `porosity`, `radius`, `sizes`",
-            "keep one: each says how large the spheres are",
-        )),
+        "radius" => Ok(Sizes::Uniform { mean: RADIUS.read(&v)?, spread }),
+        "curve" => Curve.read(&v).map(Sizes::Curve),
+        "log_normal" => Normal.read(&v).map(Sizes::LogNormal),
+        _ => {
+            let mut classes = Classes.read(&v)?;
+            let by_mass = OneOf(&[("number", false), ("mass", true)]);
+            if table.get("sizes_by").map_or(Ok(false), |by| by_mass.read(&by))? {
+                by_number(&mut classes);
+            }
+            Ok(Sizes::Classes(classes))
+        }
     }
+}
+
+/// Shares of the mass become shares of the number.
+fn by_number(classes: &mut [SizeClass]) {
+    classes.iter_mut().for_each(|class| class.share /= class.radius.powi(3));
+    let total: f64 = classes.iter().map(|c| c.share).sum();
+    classes.iter_mut().for_each(|class| class.share /= total);
 }
 
 /// Round-off that the sum of shares may have.

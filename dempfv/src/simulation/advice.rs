@@ -382,6 +382,7 @@ fn duration(
     match run.until {
         Until::Time(time) => Some(time),
         Until::Strain { strain, .. } => Some(strain.abs() / strain_rate(run, bounds)?),
+        Until::Stress { .. } | Until::Porosity { .. } | Until::Unbalanced { .. } => None,
         Until::Steps(steps) => {
             let dt = match plan.mechanics(stage)?.dt {
                 TimeStep::Fixed(dt) => dt,

@@ -70,15 +70,22 @@ impl Specimen {
     /// compacts it; `None` when the plan starts from a packing file.
     pub fn of_cloud(plan: &Plan) -> Option<Specimen> {
         let ParticleSource::Cloud(cloud) = &plan.particles.source else { return None };
-        let compacted = plan.stages.iter().any(|s| matches!(s.kind, StageKind::Compact(_)));
+        let compacts = |keeps: bool| {
+            let stage =
+                |kind: &StageKind| matches!(kind, StageKind::Compact(c) if c.keep_radii == keeps);
+            plan.stages.iter().any(|s| stage(&s.kind))
+        };
         let growth = match &plan.room() {
-            Some(bounds) if compacted => {
+            Some(bounds) if compacts(false) => {
                 let solid = f64::from(cloud.count) * cloud.sizes.mean_volume();
                 ((1.0 - COMPACTED) * bounds.volume() / solid).cbrt()
             }
             _ => 1.0,
         };
         let porosity = plan.bounds.map_or(0.0, |bounds| {
+            if compacts(true) {
+                return COMPACTED;
+            }
             let solid = f64::from(cloud.count) * cloud.sizes.mean_volume() * growth.powi(3);
             1.0 - solid / bounds.volume()
         });

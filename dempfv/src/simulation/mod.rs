@@ -23,6 +23,8 @@ mod advice;
 mod clock;
 mod estimate;
 mod fingerprint;
+mod grading;
+pub mod history;
 mod outcome;
 mod restart;
 mod run;
@@ -34,6 +36,7 @@ mod warning;
 pub use crate::stage_error::StageError;
 pub use advice::{Advice, Verdict};
 pub use estimate::{Estimate, Specimen, UnstableStage};
+pub use grading::{Grading, GradingClass};
 pub use outcome::{
     CellState, Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome,
     PermeabilityTest, Profile, StageOutcome, StressPath, StressPathSample,

@@ -68,14 +68,27 @@ pub struct LoadCycles {
 pub struct PermeabilityTest {
     /// `x`, `y` or `z`.
     pub axis: String,
-    /// Intrinsic permeability (m²).
+    /// Intrinsic permeability of the box (m²), with the walls of the scene.
     pub permeability_m2: f64,
+    /// Whether the fluid slips along the four walls beside the flow there; `None` in a periodic cell.
+    pub slip_walls: Option<bool>,
+    /// The same where it slips (m²).
+    pub slip_permeability_m2: Option<f64>,
+    /// And where it does not (m²).
+    pub no_slip_permeability_m2: Option<f64>,
+    /// Of the part of the box that is a Sauter diameter away from all walls (m²), without their loose
+    /// layers; `None` where the box is too small to have one, and in a periodic cell.
+    pub core_permeability_m2: Option<f64>,
     /// Flux at 1 Pa across the box (m³/s); of a periodic cell, that of a cube of its volume.
     pub flux_m3_s: f64,
     /// What enters less what leaves, relative to the flux (1).
     pub imbalance: f64,
     /// Kozeny-Carman's estimate for the same porosity and Sauter diameter (m²).
     pub kozeny_carman_m2: f64,
+    /// The constant in it (1).
+    pub kozeny_carman_constant: f64,
+    /// Sauter's mean diameter, Σ d³ / Σ d² (m).
+    pub sauter_diameter_m: f64,
     /// Porosity (1).
     pub porosity: f64,
     /// Pores of the network.

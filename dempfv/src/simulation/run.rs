@@ -1,5 +1,6 @@
 //! Carries out a plan, one step at a time.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,7 @@ use crate::coupling::{
 };
 use crate::dem::DemError;
 use crate::dem::law::Linear;
+use crate::io::checkpoint::Spheres;
 use crate::scene::{self, Plan, Stage};
 use crate::{Error, InputError, PerWall, Result};
 
@@ -47,6 +49,8 @@ const NO_STRESS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// Everything that a checkpoint must hold to go on with the same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimulationState {
+    /// First, so that a checkpoint can be read as a packing.
+    spheres: Spheres,
     origin: Origin,
     clock: Clock,
     stage: u64,
@@ -150,7 +154,7 @@ impl Simulation {
         let is_wet = going.map_or(was_wet, |stage| stage.kind.is_coupled());
         let materials = plan.materials();
         saved.set_densities(&materials.iter().map(|m| m.density).collect::<Vec<_>>());
-        saved.parameters = parameters(&plan, is_wet);
+        saved.parameters = parameters(&plan, is_wet, going.map(|s| (s, state.stage_start.1)));
         if changes.outdate_network() {
             saved.forget_network();
         }
@@ -399,6 +403,7 @@ impl Simulation {
     /// What a checkpoint must hold.
     pub fn state(&self) -> SimulationState {
         SimulationState {
+            spheres: self.spheres(),
             origin: self.origin.clone(),
             clock: self.clock,
             stage: self.stage as u64,
@@ -409,6 +414,15 @@ impl Simulation {
             warnings: self.warnings.clone(),
             stress_extremes: self.stress_extremes,
             coupled: self.coupled.state(),
+        }
+    }
+
+    fn spheres(&self) -> Spheres {
+        let dem = self.coupled.dem();
+        let radius = dem.radii();
+        match dem.cell() {
+            Some(cell) => Spheres::new(dem.wrapped_positions(), radius, None, Some(*cell.cell())),
+            None => Spheres::new(dem.positions(), radius, Some(dem.box_()), None),
         }
     }
 
@@ -426,9 +440,14 @@ impl Simulation {
     }
 }
 
-/// What a plan says of spheres and fluid, the latter where the pores are filled.
-fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
-    let fluid = plan.fluid.as_ref();
+/// What a plan says of spheres and fluid, the latter where the pores are filled; in a stage that began
+/// at a time (s).
+fn parameters(plan: &Plan, is_wet: bool, going: Option<(&Stage, f64)>) -> Parameters {
+    let fluid = plan.fluid.as_ref().map(|fluid| match going {
+        Some((stage, start)) => stage.kind.fluid(fluid, start),
+        None => Cow::Borrowed(fluid),
+    });
+    let fluid = fluid.as_deref();
     Parameters {
         materials: plan.materials(),
         pairs: plan.material_pairs(),

@@ -52,6 +52,7 @@ pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
     let ParticleSource::Cloud(cloud) = &plan.particles.source else {
         return Err(needs_box().into());
     };
+    let count = cloud.count as usize;
     let (sizes, scale) = match &cloud.sizes {
         Sizes::Uniform { mean, spread } => {
             (SizeDistribution::Uniform { spread: *spread }, CloudScale::MeanRadius(*mean))
@@ -60,8 +61,17 @@ pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
             let list = classes.iter().map(|c| (c.radius, c.share)).collect();
             (SizeDistribution::List(list), CloudScale::AsListed)
         }
+        graded @ (Sizes::Curve(_) | Sizes::LogNormal(_)) => {
+            let radii = graded.grading_curve().and_then(|curve| curve.radii(count));
+            let too_many = || {
+                let what = format!("there is no memory for a cloud of {count} spheres");
+                InputError::new(what, "give fewer spheres")
+            };
+            let radii = radii.ok_or_else(too_many)?;
+            let each = radii.into_iter().map(|radius| (radius, 1.0)).collect();
+            (SizeDistribution::List(each), CloudScale::AsListed)
+        }
     };
-    let count = cloud.count as usize;
     if let Some(CellShape::Edges(cell)) = plan.cell {
         let spheres = dem::random_cloud_in_cell(&cell, count, &sizes, scale, plan.seed)?;
         let (position, radius) = spheres.into_iter().unzip();

@@ -187,6 +187,7 @@ fn steps(t: &mut Table) {
         t.refuses("dem::Dem::integrate", "time step", || small().integrate(value, None, None));
         t.refuses("dem::Dem::step", "time step", || small().step(value));
         t.refuses("dem::Dem::scale_radii", "radius factor", || small().scale_radii(value));
+        t.refuses("dem::Dem::scale_space", "factor of lengths", || small().scale_space(value));
         t.refuses("dem::GrowthCompaction::set_time_step", "time step", || {
             let mut growth = GrowthCompaction::new(GrowthOptions::new(1e4, 1e6)).unwrap();
             growth.set_time_step(Some(value));
@@ -207,6 +208,7 @@ fn steps(t: &mut Table) {
     }
     for factor in [1e-150, 1e150] {
         t.refuses("dem::Dem::scale_radii", "radius factor", || small().scale_radii(factor));
+        t.refuses("dem::Dem::scale_space", "volume of the box", || small().scale_space(factor));
     }
     t.refuses("dem::Dem::step", "not finite", || {
         let mut dem = small();

@@ -6,7 +6,7 @@ use super::{NO_LENGTHS, Table};
 use dempfv::io::history::{History, Value};
 use dempfv::io::matrix_market::{read_matrix, read_vector, write_matrix, write_vector};
 use dempfv::io::packing::{self, Packing};
-use dempfv::io::vtk::{self, Cells, Collection, SphereFrame};
+use dempfv::io::vtk::{self, Cells, Collection, LineData, SphereFrame};
 use dempfv::pfv::{Boundary, Clamp, Fluid, Network};
 use dempfv::solver::SymmetricCsc;
 use dempfv::{Aabb, Vec3};
@@ -159,6 +159,10 @@ fn frames(t: &mut Table) {
     t.refuses(write, "point", || vtk::write_cells(&file, &[Vec3::zeros()], &cells, &[]));
     t.refuses(write, "pressure", || {
         vtk::write_cells(&file, &[], &Cells::default(), &[("pressure", &[1.0])])
+    });
+    let two = LineData { scalars: &[("force", &[1.0, 2.0])], vectors: &[] };
+    t.refuses("io::vtk::write_lines", "force", || {
+        vtk::write_lines(&file, &[[Vec3::zeros(), Vec3::x()]], &two)
     });
     let boundary = Boundary::default();
     let fluid = Fluid { viscosity: 1.0, slip_walls: true, clamp: Clamp::None, boundary };

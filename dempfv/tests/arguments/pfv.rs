@@ -193,6 +193,13 @@ pub fn table() -> Table {
     solving(&mut t);
     conditions(&mut t);
     products(&mut t);
+    let mut solved = Flow::new(&X, &R, UNIT, &water(), SolverKind::default()).unwrap();
+    solved.solve_static().unwrap();
+    for margin in [f64::NAN, f64::INFINITY, 0.5, 1e300] {
+        t.gives("pfv::Flow::core_permeability", "none without an inside", || {
+            solved.core_permeability(WallId::YMin, margin).is_none()
+        });
+    }
     t
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::{NO_LENGTHS, Table};
 use dempfv::coupling::StandardBuilder;
 use dempfv::scene::{
-    Cloud, Compact, Consolidate, Dem, Fluid, ParticleSource, Plan, Run, Sizes, Stage, StageKind,
-    TimeStep, differences,
+    Cloud, Compact, Consolidate, Dem, Fluid, GradingCurve, ParticleSource, Plan, Run, Sizes, Stage,
+    StageKind, TimeStep, differences,
 };
 use dempfv::simulation::{
     Consolidation, Estimate, Simulation, Specimen, Stability, initial_packing,
@@ -102,6 +102,15 @@ pub fn table() -> Table {
     });
     t.refuses("scene::Plan::load", "cannot read", || Plan::load(Path::new("/no/such.toml")));
     theories(&mut t);
+    let curve = GradingCurve(vec![[1e-3, 0.0], [2e-3, 1.0]]);
+    t.gives("scene::GradingCurve::radii", "none without memory", || {
+        curve.radii(usize::MAX).is_none() && curve.radii(0).is_some_and(|r| r.is_empty())
+    });
+    for points in [vec![], vec![[f64::NAN; 2]; 3], vec![[1e-3, 0.0], [1e-3, 1.0]]] {
+        t.gives("scene::GradingCurve::radii", "as many numbers, which are none", || {
+            GradingCurve(points).radii(3).is_some_and(|r| r.len() == 3)
+        });
+    }
     t
 }
 

@@ -199,7 +199,10 @@ fn write(
 }
 
 /// The spheres of a packing in the user's order, with their box or their periodic cell.
-fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(), Error> {
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_spheres(file: &std::path::Path, dem: &Dem, comment: &str) -> Result<(), Error> {
     if let Some(cell) = dem.cell() {
         let (position, radius) = (dem.wrapped_positions(), dem.radii());
         return Ok(packing::write_in_cell(file, &position, &radius, cell.cell(), comment)?);

@@ -1,11 +1,14 @@
 //! `dempfv run`: carries out a scene.
 
-mod history;
+mod end_state;
+mod frames;
+mod grading;
 mod pictures;
 mod recorder;
 mod remesh;
 mod restart;
 mod results;
+mod stress_path;
 mod summary;
 
 use std::io::{self, Write};
@@ -269,7 +272,13 @@ impl Session {
         interrupted: bool,
     ) -> Result<Report> {
         let finished = ended.is_ok() && simulation.stage().is_none();
-        self.keep_on_failure(&mut simulation, |s, now| s.recorder.close(now, finished))?;
+        self.keep_on_failure(&mut simulation, |s, now| {
+            s.recorder.close(now, finished)?;
+            if finished && now.plan().output.pictures {
+                grading::draw(&s.folder, now)?;
+            }
+            Ok(())
+        })?;
         if ended.is_ok() && !finished {
             checkpoint::save(&self.folder.join(CHECKPOINT), &simulation.state())?;
         }

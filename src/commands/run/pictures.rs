@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use dempfv::Result;
 use dempfv::io::atomic;
-use dempfv::scene::{StageKind, Until};
-use dempfv::simulation::{
-    Consolidation, ConsolidationSample, Outcome, Simulation, StageOutcome, StressPath,
-    StressPathSample,
-};
+use dempfv::scene::{SectionPlane, StageKind};
+use dempfv::simulation::{Consolidation, ConsolidationSample, Outcome, Simulation, StageOutcome};
 use dempfv::theory::degree_of_consolidation;
+use dempfv::{Axis, Result};
 use dempfv_report::format::{si, three_digits};
+use dempfv_report::outputs::tables::CONSOLIDATION;
 use dempfv_report::plot::{self, Section};
+
+use super::stress_path;
 
 /// Draws what a finished stage has to show.
 pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) -> Result<()> {
@@ -19,7 +19,7 @@ pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) ->
         Outcome::Consolidate(c) => consolidation(folder, simulation, stage, c),
         Outcome::Run(m) => {
             section(folder, simulation, &format!("at the end of {}", stage.name))?;
-            motion(folder, simulation, stage, m)
+            stress_path::draw(folder, simulation, stage, m, &in_file_name(simulation, stage))
         }
         Outcome::Compact(_) | Outcome::Cycle(_) | Outcome::Permeability(_) => Ok(()),
     }
@@ -67,8 +67,7 @@ fn consolidation(
 
 /// The course of a consolidation and the theory beside it, as a table.
 fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
-    let mut text =
-        "time_factor,settlement_m,degree,terzaghi_top_drained,terzaghi,base_pressure\n".to_owned();
+    let mut text = CONSOLIDATION.map(|column| column.name).join(",") + "\n";
     for s in &c.samples {
         let (drained, plain) = (c.theory(s.time_factor), degree_of_consolidation(s.time_factor));
         let row = [s.time_factor, s.settlement_m, s.degree, drained, plain, s.base_pressure];
@@ -78,92 +77,7 @@ fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
     Ok(atomic::write(&folder.join(format!("{name}.csv")), text.as_bytes())?)
 }
 
-/// Stress by strain where the strain ends the stage, else stress and pore
-/// pressure by time.
-fn motion(
-    folder: &Path,
-    simulation: &Simulation,
-    stage: &StageOutcome,
-    m: &StressPath,
-) -> Result<()> {
-    let until = simulation.plan().stages.iter().find(|s| s.name == stage.name).map(|s| &s.kind);
-    let wet = simulation.coupled().storage_flow().is_some();
-    let axis = match until {
-        Some(StageKind::Run(run)) => match run.until {
-            Until::Strain { axis, .. } => Some(axis),
-            Until::Steps(_) | Until::Time(_) => None,
-        },
-        _ => None,
-    };
-    let shear = largest_shear(m).filter(|_| axis.is_none());
-    let largest = m.samples.iter().flat_map(|s| s.stress_pa).fold(0.0, |a: f64, b| a.max(b.abs()));
-    let (prefix, unit) = plot::axis::prefix(largest);
-    let x: Vec<f64> = match (axis, shear) {
-        (Some(axis), _) => m.samples.iter().map(|s| 100.0 * s.strain[axis.index()]).collect(),
-        (None, Some([a, b])) => {
-            let strain = |s: &StressPathSample| s.cell.map_or(f64::NAN, |c| c.strain[a][b]);
-            m.samples.iter().map(|s| 100.0 * strain(s)).collect()
-        }
-        (None, None) => m.samples.iter().map(|s| s.time_s).collect(),
-    };
-    let names = ["x", "y", "z"];
-    let x_label = match (axis, shear) {
-        (Some(axis), _) => format!("Strain along *{}* (%)", axis.name()),
-        (None, Some([a, b])) => format!("Shear strain *γ*_{{{}{}}} (%)", names[a], names[b]),
-        (None, None) => "Time (s)".to_owned(),
-    };
-    let mut curves: Vec<(String, Vec<f64>)> = (0..3)
-        .map(|k| {
-            (
-                format!("*σ*_{{{}}}", ["x", "y", "z"][k]),
-                m.samples.iter().map(|s| s.stress_pa[k] / unit).collect(),
-            )
-        })
-        .collect();
-    if let Some([a, b]) = shear {
-        let stress = |s: &StressPathSample| s.cell.map_or(f64::NAN, |c| -c.stress_pa[a][b] / unit);
-        let name = format!("−*σ*_{{{}{}}}", names[a], names[b]);
-        curves.push((name, m.samples.iter().map(stress).collect()));
-    }
-    if wet {
-        curves.push((
-            "mean pore pressure".to_owned(),
-            m.samples.iter().map(|s| s.mean_pressure_pa / unit).collect(),
-        ));
-    }
-    let series: Vec<plot::Series> = curves
-        .iter()
-        .zip(plot::SERIES)
-        .map(|((name, y), color)| plot::Series {
-            name: Some(name.clone()),
-            x: &x,
-            y,
-            color,
-            mark: plot::Mark::Line { width: 1.6, dash: None },
-        })
-        .collect();
-    let of = if m.cell.is_some() { "in the cell" } else { "on the walls" };
-    let y_label = format!("Stress {of} ({prefix}Pa)");
-    let caption = if wet {
-        "Compression positive; contacts and fluid together."
-    } else {
-        "Compression positive."
-    };
-    let title = format!("{}: {}", simulation.plan().title, stage.name);
-    plot::xy(&title, caption, plot::Axis::linear(&x_label), plot::Axis::linear(&y_label), &series)
-        .save(folder, &format!("stress-{}", in_file_name(simulation, stage)))
-}
-
-/// The shear strain of a periodic cell that is larger than every other of its strains.
-fn largest_shear(m: &StressPath) -> Option<[usize; 2]> {
-    let strain = m.cell.as_ref()?.strain;
-    let all = (0..9).map(|k| [k / 3, k % 3]);
-    let [a, b] =
-        all.max_by(|[a, b], [c, d]| strain[*a][*b].abs().total_cmp(&strain[*c][*d].abs()))?;
-    (a != b && strain[a][b] != 0.0).then_some([a, b])
-}
-
-/// A cut through the middle of the packing, coloured by pore pressure.
+/// A cut through the packing, coloured by pore pressure.
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
     // A cut through a periodic cell would show each pore at its faces on one side only.
@@ -173,12 +87,17 @@ pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<(
     let bounds = coupled.dem().box_();
     let (points, cells) =
         dempfv::io::vtk::pore_cells(flow.network(), &particles.position, &bounds)?;
+    let SectionPlane { axis, position } = simulation
+        .plan()
+        .output
+        .section
+        .unwrap_or(SectionPlane { axis: Axis::Z, position: bounds.center().z });
     plot::section(&Section {
         title: "Pore pressure in a section",
         caption: &format!("{}\n{moment}", simulation.plan().title),
         bounds,
-        axis: 2,
-        position: bounds.center().z,
+        axis: axis.index(),
+        position,
         centers: &particles.position,
         radii: &particles.radius,
         points: &points,

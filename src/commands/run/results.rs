@@ -5,7 +5,7 @@ use std::path::Path;
 use dempfv::{Error, Result};
 
 /// Beginnings and endings of the files that a run writes.
-const RESULTS: [(&str, &[&str]); 9] = [
+const RESULTS: [(&str, &[&str]); 14] = [
     ("summary", &["json"]),
     ("history", &["csv"]),
     ("checkpoint", &["dempfv"]),
@@ -13,6 +13,11 @@ const RESULTS: [(&str, &[&str]); 9] = [
     ("profiles", &["png", "svg"]),
     ("section", &["png", "svg"]),
     ("stress-", &["png", "svg"]),
+    ("shear-", &["png", "svg"]),
+    ("grading", &["png", "svg"]),
+    ("final-packing", &["txt"]),
+    ("contacts", &["csv", "pvd", "vtu"]),
+    ("cell", &["pvd", "vtu"]),
     ("pores", &["pvd", "vtu"]),
     ("spheres", &["pvd", "vtu"]),
 ];

@@ -9,7 +9,7 @@ use dempfv::coupling::{Coupled, GpuUse};
 use dempfv::dem::EnergyBalance;
 use dempfv::scene::{Dem, TimeStep};
 use dempfv::simulation::{Advice, Estimate, Specimen};
-use dempfv::simulation::{Consolidation, Outcome, Simulation, StageOutcome};
+use dempfv::simulation::{Consolidation, Grading, Outcome, Simulation, StageOutcome};
 use dempfv::solver::SolverKind;
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use dempfv_report::table;
@@ -48,6 +48,8 @@ pub struct Report {
     /// Spheres that are a vertex of no pore, by the user's numbers.
     hidden: Vec<u32>,
     contacts: usize,
+    /// Diameters by mass, as they are at the end.
+    grading: Option<Grading>,
     /// Bonds that hold and that have broken; `None` where there are none.
     bonds: Option<BondCount>,
     /// Steps since the simulation began, restarts included.
@@ -149,6 +151,7 @@ impl Report {
             unknowns,
             hidden: hidden(coupled),
             contacts: seen.contacts,
+            grading: Grading::of(&coupled.dem().storage().radius),
             bonds: plan.bonds.is_some().then(|| BondCount {
                 intact: coupled.dem().intact_bonds(),
                 broken: coupled.dem().broken_bonds(),
@@ -266,8 +269,18 @@ pub fn headline(outcome: &Outcome) -> String {
             )
         }
         Outcome::Permeability(p) => format!(
-            "k_{} = {:.3e} m² (Kozeny-Carman {:.3e} m²)",
-            p.axis, p.permeability_m2, p.kozeny_carman_m2
+            "k_{} = {:.3e} m² ({}{}Kozeny-Carman with {} {:.3e} m²)",
+            p.axis,
+            p.permeability_m2,
+            p.slip_walls.map_or("", |slip| if slip {
+                "slip at walls; "
+            } else {
+                "no slip at walls; "
+            }),
+            p.core_permeability_m2
+                .map_or(String::new(), |k| format!("{k:.3e} m² away from them, ")),
+            p.kozeny_carman_constant,
+            p.kozeny_carman_m2
         ),
         Outcome::Consolidate(c) => format!(
             "settlement {} of {}, U off Terzaghi by {:.3} at most",

@@ -6,12 +6,14 @@
 
 mod collection;
 mod grid;
+mod lines;
 mod pore_cells;
 
 use std::path::Path;
 
 pub use collection::Collection;
 use grid::{Array, Column, Grid};
+pub use lines::{LineData, write_lines};
 pub use pore_cells::{pore_cells, pore_cells_in_cell};
 
 use crate::Vec3;
@@ -19,6 +21,7 @@ use crate::io::error::Result;
 
 /// VTK's numbers of the cell types used here.
 const VERTEX: u8 = 1;
+const LINE: u8 = 3;
 const TETRA: u8 = 10;
 const HEXAHEDRON: u8 = 12;
 const WEDGE: u8 = 13;
@@ -109,6 +112,16 @@ impl Cells {
             connectivity: (0..count).collect(),
             offsets: (1..=count).collect(),
             types: vec![VERTEX; count as usize],
+        }
+    }
+
+    /// Each two points in turn are the ends of a line.
+    fn lines(count: usize) -> Cells {
+        let count = count as u32;
+        Cells {
+            connectivity: (0..2 * count).collect(),
+            offsets: (1..=count).map(|k| 2 * k).collect(),
+            types: vec![LINE; count as usize],
         }
     }
 

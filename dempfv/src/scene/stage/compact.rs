@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::input::InputError;
 use crate::scene::keys::{Keyed, Keys};
-use crate::scene::kind::{Angle, Count, Maybe, number};
+use crate::scene::kind::{Angle, Count, Flag, Maybe, number};
 use crate::scene::schema::Schema;
 use crate::scene::table::Bound;
 
@@ -21,6 +21,7 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
         "unbalanced",
         "tolerance",
         "max_steps",
+        "keep_radii",
         "dt",
         "damping",
     ],
@@ -39,6 +40,8 @@ pub struct Compact {
     pub tolerance: f64,
     /// Give up after so many steps. Default 500,000.
     pub max_steps: u64,
+    /// Do radii stay, and the box shrinks instead? Default false.
+    pub keep_radii: bool,
 }
 
 impl Default for Compact {
@@ -49,6 +52,7 @@ impl Default for Compact {
             unbalanced: 1e-3,
             tolerance: 1e-3,
             max_steps: 500_000,
+            keep_radii: false,
         }
     }
 }
@@ -63,6 +67,7 @@ impl Keyed for Compact {
         keys.take("friction_angle", &Maybe(Angle), &mut self.friction_angle)?;
         keys.take("unbalanced", &number("", Bound::InsideUnit), &mut self.unbalanced)?;
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
-        keys.take("max_steps", &Count(1), &mut self.max_steps)
+        keys.take("max_steps", &Count(1), &mut self.max_steps)?;
+        keys.take("keep_radii", &Flag, &mut self.keep_radii)
     }
 }

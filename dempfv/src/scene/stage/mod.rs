@@ -3,9 +3,13 @@
 pub(super) mod cell_controls;
 pub(super) mod compact;
 pub(super) mod consolidate;
+pub(crate) mod control;
 pub(super) mod cycle;
 pub(super) mod permeability;
 pub(super) mod run;
+pub(super) mod until;
+
+use std::borrow::Cow;
 
 use serde::Serialize;
 
@@ -13,7 +17,8 @@ pub use compact::Compact;
 pub use consolidate::Consolidate;
 pub use cycle::Cycle;
 pub use permeability::Permeability;
-pub use run::{Run, Until};
+pub use run::Run;
+pub use until::Until;
 
 use super::dem::{DAMPING, Dem, Steps, TimeStep};
 use super::fluid::Fluid;
@@ -105,6 +110,17 @@ impl StageKind {
             StageKind::Consolidate(_) => true,
             StageKind::Run(run) => run.fluid,
             _ => false,
+        }
+    }
+
+    /// The scene's fluid with the pressures of this stage, whose functions of time count from
+    /// `start` on (s).
+    pub fn fluid<'f>(&self, fluid: &'f Fluid, start: f64) -> Cow<'f, Fluid> {
+        match self {
+            StageKind::Run(Run { pressure: Some(walls), .. }) => {
+                Cow::Owned(fluid.with_pressures(walls, start))
+            }
+            _ => Cow::Borrowed(fluid),
         }
     }
 

@@ -2,16 +2,18 @@
 
 use serde::Serialize;
 
-use super::cell_controls;
+use super::until::Until;
+use super::{cell_controls, control};
+use crate::TimeFunction;
 use crate::dem::{CellControl, CellControls, WallControl};
 use crate::domain::{Axis, PerWall};
 use crate::input::InputError;
+use crate::scene::fluid::PRESSURE;
 use crate::scene::keys::{Keyed, Keys};
-use crate::scene::kind::{AN_AXIS, AXIS, Angle, Count, Flag, Kind, Maybe, Number, inline};
-use crate::scene::kind::{number, quoted};
+use crate::scene::kind::{Angle, Flag, Maybe};
 use crate::scene::schema::Schema;
-use crate::scene::table::{Bound, Table, Value};
-use crate::scene::walls::MAX_VELOCITY;
+use crate::scene::table::Table;
+use crate::scene::time_function::InTime;
 use crate::scene::wrong::Wrong;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -25,6 +27,7 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
         "time",
         "until",
         "fluid",
+        "pressure",
         "walls",
         "velocity_gradient",
         "cell_stress",
@@ -33,11 +36,6 @@ pub(in crate::scene) static SCHEMA: Schema = Schema::table(
         "damping",
     ],
 );
-pub(in crate::scene) static UNTIL: Schema =
-    Schema::table("`until`", &["strain", "axis", "max_steps"]);
-pub(in crate::scene) static WALLS: Schema = Schema::by_wall("`walls`");
-pub(in crate::scene) static CONTROL: Schema =
-    Schema::table("a wall's control", &["stress", "max_velocity", "velocity"]);
 
 /// A number of steps under given wall motions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,31 +45,18 @@ pub struct Run {
     /// Is the flow solved at every step? Default false; in a scene file, true when it has
     /// `[fluid]`.
     pub fluid: bool,
-    /// What each wall does. Default: fixed.
+    /// Pressures of walls in this stage (Pa), in the place of all those of the scene's fluid, with the
+    /// time from the stage's start (s). Default: those of the fluid.
+    pub pressure: Option<Box<PerWall<Option<TimeFunction>>>>,
+    /// What each wall does; one with a function of time, at its start. Default: fixed.
     pub walls: PerWall<WallControl>,
+    /// How the stress (Pa) or velocity (m/s) of a wall changes with the time from the stage's start
+    /// (s). Default: it does not.
+    pub walls_in_time: Box<PerWall<Option<TimeFunction>>>,
     /// What moves the periodic cell, where there is one. Default: nothing.
     pub cell: Box<CellControls>,
     /// Friction angle of the particles during this stage (rad). Default: the particles'.
     pub friction_angle: Option<f64>,
-}
-
-/// When a run stage ends.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Until {
-    /// After so many steps.
-    Steps(u64),
-    /// After so much model time (s).
-    Time(f64),
-    /// When the box has this strain since the start of the stage.
-    Strain {
-        /// Logarithmic strain (1), positive in compression, not 0.
-        strain: f64,
-        /// Axis along which it is taken.
-        axis: Axis,
-        /// Give up after so many steps. Default 5,000,000.
-        max_steps: u64,
-    },
 }
 
 impl Default for Run {
@@ -80,7 +65,9 @@ impl Default for Run {
         Run {
             until: Until::Steps(1000),
             fluid: false,
+            pressure: None,
             walls,
+            walls_in_time: Box::default(),
             cell: Box::default(),
             friction_angle: None,
         }
@@ -106,15 +93,47 @@ impl Run {
     }
 
     fn keys_with(&mut self, keys: &mut Keys, max_velocity: Option<f64>) -> Result<()> {
-        keys.by_wall("walls", &WALLS, &Control { max_velocity }, &mut self.walls.0)?;
+        control::keys(keys, &mut self.walls, &mut self.walls_in_time, max_velocity)?;
+        self.pressure_keys(keys)?;
         cell_controls::keys(keys, &mut self.cell)?;
         self.until.keys(keys)?;
         keys.take("fluid", &Flag, &mut self.fluid)?;
         keys.take("friction_angle", &Maybe(Angle), &mut self.friction_angle)
     }
 
-    /// A strain must be within reach of the walls or the cell.
+    /// Pressures of walls, where the stage has any of its own.
+    fn pressure_keys(&mut self, keys: &mut Keys) -> Result<()> {
+        if let Keys::Read(table) = keys
+            && table.get("pressure").is_some()
+        {
+            self.pressure = Some(Box::default());
+        }
+        let Some(walls) = &mut self.pressure else { return Ok(()) };
+        keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut walls.0)?;
+        if walls.values().all(Option::is_none) {
+            // Not the same as none of the stage's own: all walls are shut.
+            keys.push(("pressure", "{}".to_owned()));
+        }
+        Ok(())
+    }
+
+    /// What is wrong with this stage alone.
     pub(super) fn wrong(&self) -> Option<Wrong> {
+        if self.pressure.is_some() && !self.fluid {
+            let problem = "has a `pressure`, but no flow is simulated in it";
+            return Some(Wrong::new(problem, "leave it out, or set `fluid = true`"));
+        }
+        if let (Until::Porosity { porosity, .. }, false) = (self.until, self.changes_box()) {
+            let problem = format!("waits for a porosity of {porosity}, but no wall moves");
+            let remedy =
+                "give one of them a velocity or a stress; a cell a velocity gradient or a stress";
+            return Some(Wrong::new(problem, remedy));
+        }
+        self.strain_out_of_reach()
+    }
+
+    /// A strain must be within reach of the walls or the cell.
+    fn strain_out_of_reach(&self) -> Option<Wrong> {
         let Until::Strain { axis, strain, .. } = self.until else { return None };
         match self.cell[axis.index()][axis.index()] {
             CellControl::Stress(_) => return None,
@@ -130,6 +149,8 @@ impl Run {
         for (wall, control) in self.walls.iter().filter(|(w, _)| Axis::of(*w) == axis) {
             match control {
                 WallControl::Fixed => {}
+                // It may turn.
+                _ if self.walls_in_time[wall].is_some() => return None,
                 WallControl::Velocity(velocity) => shortening += velocity * wall.inward(),
                 // The servo goes where the stress leads it.
                 WallControl::Servo { .. } => return None,
@@ -153,151 +174,15 @@ impl Run {
     }
 }
 
-const STEPS: Count = Count(1);
-const TIME: Number = number("s", Bound::Positive);
-
-impl Until {
-    /// Exactly one of three keys.
-    fn keys(&mut self, keys: &mut Keys) -> Result<()> {
-        if let Keys::Read(table) = keys {
-            *self = read_until(table)?;
-            return Ok(());
-        }
-        match self {
-            Until::Steps(steps) => keys.take("steps", &STEPS, steps),
-            Until::Time(time) => keys.take("time", &TIME, time),
-            Until::Strain { .. } => keys.take("until", &Strain, self),
-        }
-    }
-}
-
-fn read_until(table: &Table) -> Result<Until> {
-    const ENDS: &str = "give one of `steps = 600`, `time = 0.1` (s), \
-                        `until = { strain = 0.2, axis = \"y\" }`";
-    match (table.get("steps"), table.get("time"), table.get("until")) {
-        (Some(steps), None, None) => STEPS.read(&steps).map(Until::Steps),
-        (None, Some(time), None) => TIME.read(&time).map(Until::Time),
-        (None, None, Some(until)) => Strain.read(&until),
-        (None, None, None) => {
-            Err(table.source.error(table.at, "a run stage does not say when it ends", ENDS))
-        }
-        (steps, time, until) => {
-            let last = [steps, time, until].iter().flatten().map(|v| v.at).max();
-            let at = last.unwrap_or(table.at);
-            Err(table.source.error(at, "a run stage has more than one end", ENDS))
-        }
-    }
-}
-
-/// The strain that ends a stage: a table of its own.
-struct Strain;
-
-impl Kind<Until> for Strain {
-    fn read(&self, value: &Value) -> Result<Until> {
-        let table = value.table(&UNTIL)?;
-        let goal = table.need("strain", "logarithmic strain, positive in compression")?;
-        let strain = goal.number("", Bound::Finite)?;
-        if strain == 0.0 {
-            return Err(goal.error("is 0", "give a strain to reach, as in 0.2"));
-        }
-        let axis = AXIS.read(&table.need("axis", AN_AXIS)?)?;
-        let max_steps = table.get("max_steps").map_or(Ok(5_000_000), |v| STEPS.read(&v))?;
-        Ok(Until::Strain { strain, axis, max_steps })
-    }
-
-    fn wrong(&self, until: &Until) -> Option<Wrong> {
-        let Until::Strain { strain, max_steps, .. } = until else { return None };
-        if !(strain.is_finite() && *strain != 0.0) {
-            let problem = format!("has the strain {strain}");
-            return Some(Wrong::new(problem, "give a strain to reach, as in 0.2"));
-        }
-        let wrong = STEPS.wrong(max_steps)?;
-        Some(Wrong::new(format!("has a `max_steps` that {}", wrong.problem), wrong.remedy))
-    }
-
-    fn write(&self, until: &Until) -> Option<String> {
-        let Until::Strain { strain, axis, max_steps } = until else { return None };
-        let axis = quoted(axis.name());
-        let max_steps = max_steps.to_string();
-        let strain = format!("{strain:?}");
-        Some(inline(&[("strain", strain), ("axis", axis), ("max_steps", max_steps)]))
-    }
-}
-
-/// What a wall does: `"fixed"`, or a table with a stress or a velocity.
-struct Control {
-    /// Cut of a servo's speed (m/s) where the table gives none.
-    max_velocity: Option<f64>,
-}
-
-const STRESS: Number = number("Pa", Bound::NotNegative);
-const VELOCITY: Number = number("m/s", Bound::Finite);
-/// What a wall's control may be.
-const CONTROLS: &str = "give \"fixed\", { velocity = 0.01 } (m/s) or { stress = 1e3 } (Pa)";
-
-impl Kind<WallControl> for Control {
-    fn read(&self, value: &Value) -> Result<WallControl> {
-        if value.is_name() {
-            return value.choice(&[("fixed", WallControl::Fixed)]);
-        }
-        if !value.is_table() {
-            return Err(value.error("is no wall control", CONTROLS));
-        }
-        let table = value.table(&CONTROL)?;
-        let limit = table.get("max_velocity");
-        match (table.get("stress"), table.get("velocity")) {
-            (Some(stress), None) => Ok(WallControl::Servo {
-                stress: STRESS.read(&stress)?,
-                max_velocity: match limit {
-                    Some(limit) => Some(MAX_VELOCITY.read(&limit)?),
-                    None => self.max_velocity,
-                },
-            }),
-            (None, Some(velocity)) => match limit {
-                Some(v) => Err(v.error("stands beside `velocity`", "it belongs to `stress`")),
-                None => VELOCITY.read(&velocity).map(WallControl::Velocity),
-            },
-            (Some(a), Some(b)) => Err(value.source.error(
-                a.at.max(b.at),
-                format!("{} has two conditions: a stress and a velocity", value.key()),
-                "keep one of the two",
-            )),
-            (None, None) => Err(value.error("says neither a stress nor a velocity", CONTROLS)),
-        }
-    }
-
-    fn wrong(&self, control: &WallControl) -> Option<Wrong> {
-        let named = |key: &str, wrong: Option<Wrong>| {
-            let wrong = wrong?;
-            Some(Wrong::new(format!("has a `{key}` that {}", wrong.problem), wrong.remedy))
-        };
-        match control {
-            WallControl::Fixed => None,
-            WallControl::Velocity(velocity) => named("velocity", VELOCITY.wrong(velocity)),
-            WallControl::Servo { stress, max_velocity } => named("stress", STRESS.wrong(stress))
-                .or_else(|| named("max_velocity", Maybe(MAX_VELOCITY).wrong(max_velocity))),
-        }
-    }
-
-    fn write(&self, control: &WallControl) -> Option<String> {
-        match control {
-            WallControl::Fixed => None,
-            WallControl::Velocity(velocity) => {
-                Some(inline(&[("velocity", format!("{velocity:?}"))]))
-            }
-            WallControl::Servo { stress, max_velocity } => {
-                let limit = max_velocity.map(|v| ("max_velocity", format!("{v:?}")));
-                let stress = ("stress", format!("{stress:?}"));
-                Some(inline(&[stress].into_iter().chain(limit).collect::<Vec<_>>()))
-            }
-        }
-    }
-}
-
 impl Run {
     /// True when a wall does anything.
     pub(super) fn moves_walls(&self) -> bool {
         self.walls.values().any(|c| *c != WallControl::Fixed)
+    }
+
+    /// True when a wall or a periodic cell moves.
+    fn changes_box(&self) -> bool {
+        self.moves_walls() || self.moves_cell()
     }
 
     /// True when a periodic cell is told to do anything.

@@ -49,7 +49,9 @@ impl<'a> Changes<'a> {
             "sources",
             "pressure_gradient",
         ];
-        self.has(&["particles", "density"]) || fluid.iter().any(|key| self.has(&["fluid", key]))
+        self.has(&["particles", "density"])
+            || self.in_stage("pressure")
+            || fluid.iter().any(|key| self.has(&["fluid", key]))
     }
 
     /// Whether the bounds of an automatic time step are those of something else.

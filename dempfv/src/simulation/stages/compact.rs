@@ -75,6 +75,7 @@ fn options(plan: &scene::Compact, scene: &Plan, mechanics: &scene::Dem) -> Growt
     options.unbalanced_tolerance = plan.unbalanced;
     options.stress_tolerance = plan.tolerance;
     options.max_steps = plan.max_steps;
+    options.keep_radii = plan.keep_radii;
     options.time_step_safety = mechanics.safety;
     options
 }

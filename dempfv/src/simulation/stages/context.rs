@@ -44,12 +44,22 @@ impl Context<'_> {
     /// One step with the time step of the stage, and with the scene's fluid if
     /// the pores are filled.
     pub fn step(&mut self) -> Result<()> {
+        let dt = self.next_dt()?;
+        self.step_by(dt)
+    }
+
+    /// The length of the next step (s).
+    pub fn next_dt(&mut self) -> Result<f64> {
         let Dem { dt, safety, .. } = self.mechanics();
         if matches!(dt, TimeStep::Fixed(_)) && self.stage_steps.is_multiple_of(STEPS_BETWEEN_LOOKS)
         {
             self.watch_fixed_step()?;
         }
-        let dt = self.clock.next_dt(dt, safety, self.coupled)?;
+        self.clock.next_dt(dt, safety, self.coupled)
+    }
+
+    /// One step of this length (s), which [`Context::next_dt`] told.
+    pub fn step_by(&mut self, dt: f64) -> Result<()> {
         self.coupled.set_time(self.clock.time);
         self.coupled.step(dt)?;
         self.clock.advance();
@@ -103,7 +113,7 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// Fills the pores with the scene's fluid.
+    /// Fills the pores with the scene's fluid, under the stage's pressures.
     pub fn saturate(&mut self) -> Result<()> {
         let fluid = self.plan.fluid.as_ref().ok_or_else(|| {
             InputError::new(
@@ -111,6 +121,7 @@ impl Context<'_> {
                 "add a table [fluid] with its viscosity",
             )
         })?;
+        let fluid = self.stage.kind.fluid(fluid, self.clock.time);
         self.coupled.saturate(fluid.saturation());
         self.coupled.set_fluid_effects(fluid.effects.clone());
         Ok(())

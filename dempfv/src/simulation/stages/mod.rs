@@ -7,6 +7,7 @@ mod compact;
 mod consolidate;
 mod context;
 mod cycle;
+mod end;
 mod permeability;
 mod run;
 mod servo_watch;

@@ -7,7 +7,7 @@ use crate::coupling::{CouplingError, Phase};
 use crate::pfv::{Boundary, Flow};
 use crate::scene;
 use crate::simulation::outcome::{Outcome, PermeabilityTest};
-use crate::theory::{kozeny_carman, sauter_diameter};
+use crate::theory::{KOZENY_CARMAN, kozeny_carman, sauter_diameter};
 use crate::{Axis, Cell, InputError, Result, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,35 +37,52 @@ impl State {
     }
 }
 
-/// From wall to wall.
+/// From wall to wall, with walls as the scene has them and with the other kind.
 fn between_walls(
     context: &mut Context,
     fluid: &scene::Fluid,
     axis: Axis,
 ) -> Result<PermeabilityTest> {
     let lower = WallId::ALL[2 * axis.index()];
-    let mut fluid_in_pores = fluid.fluid;
-    fluid_in_pores.boundary = Boundary::default();
-    fluid_in_pores.boundary.pressure[lower] = Some(1.0);
-    fluid_in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
+    let slip_walls = fluid.fluid.slip_walls;
+    let flow = flow(context, fluid, lower, slip_walls)?;
+    let no_flow = || InputError::new("no pressure difference to measure with", "");
+    let measured = flow.permeability(lower).ok_or_else(no_flow)?;
+    let other = self::flow(context, fluid, lower, !slip_walls)?;
+    let other = other.permeability(lower).ok_or_else(no_flow)?;
+    let (value, imbalance) = (measured.value, measured.imbalance);
+    let (slip, no_slip) = if slip_walls { (value, other.value) } else { (other.value, value) };
+    let test = test(context, &flow, axis, [value, measured.flux]);
+    Ok(PermeabilityTest {
+        imbalance,
+        slip_walls: Some(slip_walls),
+        slip_permeability_m2: Some(slip),
+        no_slip_permeability_m2: Some(no_slip),
+        core_permeability_m2: flow.core_permeability(lower, test.sauter_diameter_m),
+        ..test
+    })
+}
 
+/// The static flow with 1 Pa on a wall and 0 on the opposite one.
+fn flow(
+    context: &mut Context,
+    fluid: &scene::Fluid,
+    lower: WallId,
+    slip_walls: bool,
+) -> Result<Flow> {
+    let mut in_pores = fluid.fluid;
+    in_pores.slip_walls = slip_walls;
+    in_pores.boundary = Boundary::default();
+    in_pores.boundary.pressure[lower] = Some(1.0);
+    in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
     let dem = context.coupled.dem();
     let particles = dem.storage();
-    let mut flow = Flow::new(
-        &particles.position,
-        &particles.radius,
-        dem.box_(),
-        &fluid_in_pores,
-        fluid.solver,
-    )
-    .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
+    let (position, radius) = (&particles.position, &particles.radius);
+    let mut flow = Flow::new(position, radius, dem.box_(), &in_pores, fluid.solver)
+        .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
     context.coupled.book_build(flow.build_times());
     context.coupled.time(Phase::Solve, || flow.solve_static())?;
-    let measured = flow.permeability(lower);
-    let measured =
-        measured.ok_or_else(|| InputError::new("no pressure difference to measure with", ""))?;
-    let (value, imbalance) = (measured.value, measured.imbalance);
-    Ok(PermeabilityTest { imbalance, ..test(context, &flow, axis, [value, measured.flux]) })
+    Ok(flow)
 }
 
 /// Through a periodic cell.
@@ -92,13 +109,19 @@ fn in_cell(
 /// What was measured, permeability (m²) and flux (m³/s), with what it was measured on.
 fn test(context: &Context, flow: &Flow, axis: Axis, [value, flux]: [f64; 2]) -> PermeabilityTest {
     let dem = context.coupled.dem();
-    let porosity = dem.porosity();
+    let (porosity, diameter) = (dem.porosity(), sauter_diameter(&dem.storage().radius));
     PermeabilityTest {
         axis: axis.name().to_owned(),
         permeability_m2: value,
+        slip_walls: None,
+        slip_permeability_m2: None,
+        no_slip_permeability_m2: None,
+        core_permeability_m2: None,
         flux_m3_s: flux,
         imbalance: flow.imbalance(),
-        kozeny_carman_m2: kozeny_carman(porosity, sauter_diameter(&dem.storage().radius)),
+        kozeny_carman_m2: kozeny_carman(porosity, diameter),
+        kozeny_carman_constant: KOZENY_CARMAN,
+        sauter_diameter_m: diameter,
         porosity,
         pores: flow.network().pores() as u64,
         unknowns: flow.operators().unknowns() as u64,

@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 use super::cell_watch::CellWatch;
 use super::changes::Changes;
 use super::context::{Context, Progress};
+use super::end::End;
 use super::servo_watch::ServoWatch;
 use super::strain::Reference;
 use crate::coupling::Coupled;
-use crate::scene::{self, Plan, Until};
-use crate::simulation::StageError;
+use crate::dem::WallControl;
+use crate::scene::{self, Plan, StageKind};
 use crate::simulation::clock::Clock;
 use crate::simulation::outcome::{CellState, Outcome, StressPath, StressPathSample};
 use crate::simulation::setup;
@@ -21,8 +22,8 @@ pub struct State {
     reference: Reference,
     steps: u64,
     start_time: f64,
-    /// Share of the stage that is done, where the strain ends it.
-    strained: f64,
+    /// Share of the stage that is done, where a state ends it.
+    share: f64,
     samples: Vec<StressPathSample>,
     /// How many of them there are beyond the share that is done: a restart may have made the
     /// stage longer.
@@ -33,26 +34,6 @@ pub struct State {
 
 /// Moments of the stage's course that are kept.
 const SAMPLES: f64 = 200.0;
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum End {
-    Step(u64, u64),
-    Time(f64, f64),
-    Strain { goal: f64, axis: usize, max_steps: u64 },
-}
-
-impl End {
-    /// The end of a stage that began at this step and time (s).
-    fn of(until: Until, (step, time): (u64, f64)) -> End {
-        match until {
-            Until::Steps(steps) => End::Step(step, step + steps),
-            Until::Time(length) => End::Time(time, time + length),
-            Until::Strain { strain, axis, max_steps } => {
-                End::Strain { goal: strain, axis: axis.index(), max_steps }
-            }
-        }
-    }
-}
 
 impl State {
     pub fn start(plan: &scene::Run, context: &mut Context) -> Result<State> {
@@ -65,11 +46,11 @@ impl State {
         }
         let clock = &context.clock;
         let state = State {
-            end: End::of(plan.until, (clock.step, clock.time)),
+            end: End::of(plan.until, (clock.step, clock.time), context.coupled),
             reference: Reference::new(context.coupled),
             steps: 0,
             start_time: clock.time,
-            strained: 0.0,
+            share: 0.0,
             samples: vec![],
             ahead: 0,
             servos: ServoWatch::default(),
@@ -96,10 +77,10 @@ impl State {
         if moves {
             set_cell(coupled, plan)?;
         }
-        self.end = End::of(plan.until, start);
+        self.end = self.end.restored(plan.until, start, coupled);
         let end = ["steps", "time", "until"].iter().any(|key| changes.in_stage(key));
         if end {
-            self.look_at_strain(coupled);
+            self.share = self.end.share(coupled, &self.reference);
             let share = (self.progress(clock) * SAMPLES) as u64;
             self.ahead = (self.samples.len() as u64).saturating_sub(share);
         }
@@ -131,18 +112,14 @@ impl State {
     }
 
     pub fn progress(&self, clock: &Clock) -> f64 {
-        match self.end {
-            End::Step(from, to) => {
-                clock.step.saturating_sub(from) as f64 / to.saturating_sub(from).max(1) as f64
-            }
-            End::Time(from, to) => (clock.time - from) / (to - from),
-            End::Strain { .. } => self.strained,
-        }
+        self.end.progress(clock, self.share)
     }
 
     pub fn advance(&mut self, context: &mut Context) -> Result<Progress> {
         if !self.is_over(context)? {
-            context.step()?;
+            let dt = context.next_dt()?;
+            self.drive_walls(context, dt)?;
+            context.step_by(dt)?;
             self.steps += 1;
             let over = self.is_over(context)?;
             let progress = self.progress(context.clock);
@@ -169,35 +146,27 @@ impl State {
         })))
     }
 
-    /// Strain of the box where one ends the stage, else 0.
-    fn look_at_strain(&mut self, coupled: &Coupled) -> f64 {
-        let End::Strain { goal, axis, .. } = self.end else { return 0.0 };
-        let strain = self.reference.strain(coupled)[axis];
-        self.strained = (strain / goal).clamp(0.0, 1.0);
-        strain
+    /// Tells walls that change with time what they do in the next step: a stress is that at its end,
+    /// a velocity that in its middle.
+    fn drive_walls(&self, context: &mut Context, dt: f64) -> Result<()> {
+        let StageKind::Run(plan) = &context.stage.kind else { return Ok(()) };
+        let begun = context.clock.time - self.start_time;
+        for (wall, function) in plan.walls_in_time.iter() {
+            let Some(function) = function else { continue };
+            let control = plan.walls[wall];
+            let at = match control {
+                WallControl::Velocity(_) => begun + 0.5 * dt,
+                WallControl::Fixed | WallControl::Servo { .. } => begun + dt,
+            };
+            let control = scene::with_value(control, function.value(at));
+            context.coupled.controls().set_control(wall, control)?;
+        }
+        Ok(())
     }
 
     fn is_over(&mut self, context: &Context) -> Result<bool> {
-        match self.end {
-            End::Step(_, to) => Ok(context.clock.step >= to),
-            // Half a time step short counts as there, so that round-off in the
-            // sum of time steps adds none.
-            End::Time(_, to) => {
-                Ok(self.steps > 0 && context.clock.time >= to - 0.5 * context.clock.dt)
-            }
-            End::Strain { goal, max_steps, .. } => {
-                let now = self.look_at_strain(context.coupled);
-                if now / goal < 1.0 && self.steps >= max_steps {
-                    return Err(StageError::StrainNotReached {
-                        steps: self.steps,
-                        strain: now,
-                        goal,
-                    }
-                    .into());
-                }
-                Ok(now / goal >= 1.0)
-            }
-        }
+        self.share = self.end.share(context.coupled, &self.reference);
+        self.end.is_over(context, &self.reference, self.steps)
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) const PARTS: f64 = 10.0;
 pub(super) const MISS: f64 = 0.05;
 pub(super) const SWING: f64 = 0.5;
 
-/// The stresses on servo walls since the last part of a stage began.
+/// By how much servo walls have missed their stress since the last part of a stage began.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ServoWatch {
     /// Part of the stage that is looked at.
@@ -35,12 +35,14 @@ impl ServoWatch {
             self.range = PerWall([[f64::INFINITY, f64::NEG_INFINITY]; 6]);
         }
         self.steps += 1;
-        for (wall, _) in servos(context) {
+        for (wall, asked) in servos(context) {
             let stress = context.coupled.wall_stress(wall);
-            self.sum[wall] += stress;
+            // What is asked for may change with time.
+            let miss = stress - asked;
+            self.sum[wall] += miss;
             self.largest[wall] = self.largest[wall].max(stress.abs());
             let [low, high] = &mut self.range[wall];
-            (*low, *high) = (low.min(stress), high.max(stress));
+            (*low, *high) = (low.min(miss), high.max(miss));
         }
     }
 
@@ -49,8 +51,8 @@ impl ServoWatch {
         let missed: Vec<Warning> = servos(context)
             .filter(|_| self.steps > 0)
             .filter_map(|(wall, asked)| {
-                let mean = self.sum[wall] / self.steps as f64;
-                let range = self.range[wall];
+                let mean = asked + self.sum[wall] / self.steps as f64;
+                let range = self.range[wall].map(|miss| asked + miss);
                 // Of no stress at all, a share is one of what there was.
                 let whole = if asked == 0.0 { self.largest[wall] } else { asked.abs() };
                 let off = |stress: f64, share: f64| (stress - asked).abs() > share * whole;
