@@ -92,8 +92,10 @@ fn results_have_what_is_described() {
         Some(table) => path.starts_with(table),
         None => known == path,
     };
-    // What is null may stand for a table.
-    let leads = |path: &str| known.iter().any(|k| k.starts_with(&format!("{path}.")));
+    // What is null may stand for a table or an array.
+    let leads = |path: &str| {
+        known.iter().any(|k| k.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '['])))
+    };
     let unknown: Vec<_> = found
         .iter()
         .filter(|path| !known.iter().any(|known| is(known, path)) && !leads(path))

@@ -91,10 +91,12 @@ fn a_cell_is_checked_run_and_written() {
 fn a_wet_cell_is_checked_run_and_written() {
     let folder = Folder::new("wet-cell");
     let fluid = "[fluid]\nviscosity = 1e-3\npressure_gradient = [-50.0, 0.0, 0.0]\n[dem]";
-    let wet = SCENE.replace("[dem]", fluid).replace("cell_stress = { yy = 1e4 }", "").replace(
-        "kind = \"run\"",
-        "kind = \"permeability\"\naxis = \"x\"\n[[stage]]\nkind = \"run\"",
-    );
+    let measured = "kind = \"permeability\"\naxis = \"x\"\n[[stage]]\nkind = \"run\"";
+    let wet = SCENE
+        .replace("[dem]", fluid)
+        .replace("cell_stress = { yy = 1e4 }", "")
+        .replace("xy = 2.0", "xy = 0.02")
+        .replace("kind = \"run\"", measured);
     folder.write("scene.toml", &wet);
     let plan = folder.done(&["check", "scene.toml"]);
     assert!(plan.contains("mean gradient -50, 0, 0 Pa/m"), "{plan}");

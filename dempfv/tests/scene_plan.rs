@@ -365,12 +365,16 @@ size = [0.3, 0.4, 0.5]
 [particles]
 cloud = { count = 30, radius = 0.0123, spread = 0.31 }
 [dem]
+[fluid]
+viscosity = 1.3e-3
+pressure_gradient = [3.0, -4.0, 5.0]
 [[stage]]
 kind = "run"
 name = "shear"
 steps = 12
+fluid = false
 velocity_gradient = { xx = -0.1, xy = 0.2, xz = 0.3, yx = 0.4, yz = 0.5, zx = 1e-7, zy = -0.7 }
-cell_stress = { yy = 1.3e4, zz = -20.0 }
+cell_stress = { yy = 1.3e4, zz = 20.0 }
 "#;
 
 #[test]

@@ -268,7 +268,7 @@ impl Simulation {
         match active.advance(&mut context) {
             Ok(Progress::Finished(outcome)) => {
                 let name = stage.name.clone();
-                self.finish_stage(name, outcome);
+                self.finish_stage(name, *outcome);
             }
             Ok(Progress::Running) => self.active = Some(active),
             Err(error) => {

@@ -61,7 +61,7 @@ impl State {
         // The spheres have found their places: neighbours in space become
         // neighbours in memory.
         coupled.sort_spatially()?;
-        Ok(Progress::Finished(Outcome::Compact(Compaction {
+        Ok(Progress::finished(Outcome::Compact(Compaction {
             stress_pa: status.stress,
             unbalanced_force: status.unbalanced,
             porosity: coupled.dem().porosity(),

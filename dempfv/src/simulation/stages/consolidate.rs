@@ -165,7 +165,7 @@ impl State {
         if over {
             self.servos.warn(context);
             self.warn_of_late_load(context);
-            return Ok(Progress::Finished(Outcome::Consolidate(self.result.clone())));
+            return Ok(Progress::finished(Outcome::Consolidate(self.result.clone())));
         }
         if self.steps >= self.max_steps {
             return Err(StageError::TimeFactorNotReached {

@@ -31,7 +31,14 @@ pub(in crate::simulation) struct Context<'a> {
 /// Whether a stage goes on.
 pub(in crate::simulation) enum Progress {
     Running,
-    Finished(Outcome),
+    Finished(Box<Outcome>),
+}
+
+impl Progress {
+    /// The stage is over.
+    pub fn finished(outcome: Outcome) -> Progress {
+        Progress::Finished(Box::new(outcome))
+    }
 }
 
 impl Context<'_> {

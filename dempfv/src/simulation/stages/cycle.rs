@@ -112,7 +112,7 @@ impl State {
             self.load(context.coupled)?;
             return Ok(Progress::Running);
         }
-        Ok(Progress::Finished(Outcome::Cycle(self.result())))
+        Ok(Progress::finished(Outcome::Cycle(self.result())))
     }
 
     fn result(&self) -> LoadCycles {

@@ -33,7 +33,7 @@ impl State {
             None => between_walls(context, fluid, axis)?,
             Some(cell) => in_cell(context, fluid, axis, &cell)?,
         };
-        Ok(Progress::Finished(Outcome::Permeability(measured)))
+        Ok(Progress::finished(Outcome::Permeability(measured)))
     }
 }
 

@@ -137,7 +137,7 @@ impl State {
         self.cell.warn(context);
         setup::own_materials(context.coupled, context.plan)?;
         let coupled = &context.coupled;
-        Ok(Progress::Finished(Outcome::Run(StressPath {
+        Ok(Progress::finished(Outcome::Run(StressPath {
             strain: self.reference.strain(coupled),
             cell: self.cell(coupled).map(Box::new),
             wall_stress_pa: WallId::ALL.map(|w| coupled.wall_stress(w)),
