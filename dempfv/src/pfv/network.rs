@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::conductances::Conductances;
 use super::flat_pores::FlatPores;
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
@@ -50,8 +51,10 @@ pub struct Network {
     /// What is unusual, as the network was built.
     pub remarks: NetworkRemarks,
     /// Pores that spheres fill, as far as they close all throats; sorted.
-    filled: Vec<u32>,
+    pub(super) filled: Vec<u32>,
     pub(super) flat: FlatPores,
+    /// Where conductances are not what the geometry says.
+    pub(super) conductances: Option<Box<Conductances>>,
 }
 
 /// What operators are made of, and nothing else needs: 200 bytes a pore.
@@ -106,6 +109,7 @@ impl Network {
             remarks,
             filled,
             flat,
+            conductances: None,
             bounds,
             viscosity: fluid.viscosity,
             center,
@@ -233,7 +237,7 @@ pub(super) struct ThroatSite {
 
 impl ThroatSite {
     /// The facet's vertices, counterclockwise seen from outside the first pore.
-    fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
+    pub fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
         let cell = &cells[self.pores[0] as usize];
         let [a, b, c] = FACETS[self.facet as usize];
         [cell[a], cell[b], cell[c]]
