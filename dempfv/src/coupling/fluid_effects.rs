@@ -3,17 +3,21 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::Result;
-use crate::pfv::ImposedPressure;
 use crate::pfv::terms::{Compressibility, PoreSource, StepTerms};
+use crate::pfv::{ConductanceRules, Flow, ImposedPressure, NetworkConditions, PressureProfile};
 use crate::{Effect, EffectKey, Family, PerWall, TimeFunction};
 
-/// What pressures that change with time say of themselves.
-pub const PRESSURE_IN_TIME: Effect = Effect {
-    name: "pressures in time",
+/// What conditions that change with time say of themselves.
+pub const IN_TIME: Effect = Effect {
+    name: "conditions in time",
     family: Family::Fluid,
-    equation: "p_wall = p(t + dt) in the step from t on",
+    equation: "p = p(t + dt) and Q = Q(t + dt) in the step from t on, of walls and of regions",
     source: "a boundary condition",
-    keys: &[EffectKey { key: "pressure in [fluid]", unit: "Pa", default: "none" }],
+    keys: &[
+        EffectKey { key: "pressure in [fluid]", unit: "Pa", default: "constant" },
+        EffectKey { key: "imposed in [fluid]", unit: "Pa", default: "constant" },
+        EffectKey { key: "sources in [fluid]", unit: "m³/s", default: "constant" },
+    ],
     needs: "",
     test: "dempfv/tests/coupling_conditions.rs",
 };
@@ -22,11 +26,22 @@ pub const PRESSURE_IN_TIME: Effect = Effect {
 pub const IMPOSED_REGIONS: Effect = Effect {
     name: "pressures of regions",
     family: Family::Fluid,
-    equation: "p_i = p for pores whose centroid lies in a region",
+    equation: "p_i = p for pores whose centroid lies in a region, and those that contain a point",
     source: "a boundary condition",
     keys: &[EffectKey { key: "imposed in [fluid]", unit: "Pa", default: "none" }],
     needs: "",
     test: "dempfv/tests/coupling_conditions.rs",
+};
+
+/// What the one-way coupling says of itself.
+pub const ONE_WAY: Effect = Effect {
+    name: "one-way coupling",
+    family: Family::Fluid,
+    equation: "dV_i/dt = 0 in the balance of the pores; f = F p on spheres and walls as ever",
+    source: "a limit: motion much slower than the flow",
+    keys: &[EffectKey { key: "coupling in [fluid]", unit: "", default: "\"two-way\"" }],
+    needs: "pore flow",
+    test: "dempfv/tests/coupling_one_way.rs",
 };
 
 /// Effects of the fluid that are off unless someone asks for them.
@@ -39,10 +54,21 @@ pub struct FluidEffects {
     /// Pressures of walls that change with time (Pa), in the place of those of
     /// [`Boundary`](crate::pfv::Boundary), which are needed too and hold at the beginning.
     pub wall_pressure: PerWall<Option<TimeFunction>>,
+    /// Pressures along walls, beside those.
+    pub wall_profile: PerWall<Option<PressureProfile>>,
     /// Pressures imposed on pores of choice.
     pub imposed: Vec<ImposedPressure>,
+    /// Those of them that change with time (Pa), by their places; the others, and places beyond the
+    /// end, do not.
+    pub imposed_in_time: Vec<Option<TimeFunction>>,
     /// What enters pores of choice.
     pub sources: Vec<PoreSource>,
+    /// Rates of them that change with time (m³/s), by their places.
+    pub sources_in_time: Vec<Option<TimeFunction>>,
+    /// How throats conduct.
+    pub conductances: ConductanceRules,
+    /// The flow pushes spheres and walls, but their motion squeezes no fluid.
+    pub one_way: bool,
 }
 
 impl FluidEffects {
@@ -51,11 +77,39 @@ impl FluidEffects {
         self.bulk_modulus.is_some()
     }
 
-    /// Pressures (Pa) of the walls with one that changes, at a time (s); `None` where there are no
-    /// such walls.
-    pub(super) fn wall_pressures(&self, time: f64) -> Option<PerWall<Option<f64>>> {
-        let changes = self.wall_pressure.values().any(Option::is_some);
-        changes.then(|| self.wall_pressure.map(|p| p.as_ref().map(|p| p.value(time))))
+    /// Whether a condition changes with time.
+    pub fn change_in_time(&self) -> bool {
+        let pores = self.imposed_in_time.iter().chain(&self.sources_in_time);
+        self.wall_pressure.values().chain(pores).any(Option::is_some)
+    }
+
+    /// Tells a flow the conditions at a time (s), where they change with it.
+    pub(super) fn impose(&self, flow: &mut Flow, time: f64) -> Result<()> {
+        for (wall, function) in self.wall_pressure.iter() {
+            if let Some(function) = function {
+                flow.set_wall_pressure(wall, function.value(time))?;
+            }
+        }
+        for (number, function) in self.imposed_in_time.iter().enumerate() {
+            if let Some(function) = function {
+                flow.set_imposed_pressure(number, function.value(time))?;
+            }
+        }
+        for (number, function) in self.sources_in_time.iter().enumerate() {
+            if let Some(function) = function {
+                flow.set_source_rate(number, function.value(time))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What a network is asked for beside the constant pressures of walls.
+    pub fn conditions(&self) -> NetworkConditions {
+        NetworkConditions {
+            profiles: self.wall_profile.clone(),
+            imposed: self.imposed.clone(),
+            conductances: self.conductances.clone(),
+        }
     }
 
     /// The terms that the matrix of a network is made with, for a first step of this length (s).

@@ -19,6 +19,7 @@ mod coupled;
 mod error;
 mod fluid_effects;
 mod fluid_state;
+mod fluid_step;
 mod gpu_use;
 mod network_builder;
 mod network_source;
@@ -49,6 +50,6 @@ pub use time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};
 /// What the effects of this room say of themselves.
 pub mod effects {
     pub use crate::coupling::background::EFFECT as BACKGROUND_REMESH;
-    pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, PRESSURE_IN_TIME};
+    pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, IN_TIME, ONE_WAY};
     pub use crate::coupling::options::{EVERY_STEP, PARALLEL_TASKS};
 }

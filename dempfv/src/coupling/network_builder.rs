@@ -77,9 +77,10 @@ fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Res
     if stop() {
         return Ok(None);
     }
-    let terms = effects.step_terms(time_step)?;
-    let FluidEffects { imposed, sources, .. } = effects;
-    let assembled = Assembled::with_terms(&position, &radius, bounds, &fluid, &imposed, terms)?;
+    let (terms, conditions) = (effects.step_terms(time_step)?, effects.conditions());
+    let FluidEffects { sources, .. } = effects;
+    let assembled =
+        Assembled::with_conditions(&position, &radius, bounds, &fluid, conditions, terms)?;
     drop(radius);
     if stop() {
         return Ok(None);

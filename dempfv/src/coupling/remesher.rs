@@ -10,7 +10,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::active_network::{ActiveNetwork, PRESSURE_ERROR, impose};
+use super::active_network::{ActiveNetwork, PRESSURE_ERROR};
 use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
 use super::error::{CouplingError, Result};
@@ -349,7 +349,7 @@ impl Remesher {
         if beside == Some(false) {
             self.source.keep(None);
         }
-        impose(&mut flow, context.effects.wall_pressures(context.time))?;
+        context.effects.impose(&mut flow, context.time)?;
         weigh(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         if let Some(Retired { pressures, state }) = self.retired.take() {
@@ -453,7 +453,7 @@ impl Remesher {
         }
         self.put_to_use(flow, state)?;
         if let Some(network) = &mut self.current {
-            impose(&mut network.flow, context.effects.wall_pressures(context.time))?;
+            context.effects.impose(&mut network.flow, context.time)?;
             weigh(&mut network.flow, &context)?;
             network.resume()?;
         }

@@ -2,24 +2,25 @@
 
 use serde::Serialize;
 
+use super::fluid_conditions;
 use super::keys::{Keyed, Keys};
-use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, number, quoted};
-use super::region::{ImposedRegion, SourceRegion};
+use super::kind::{Count, Flag, Kind, Maybe, OneOf, number, quoted};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
-use super::time_function::InTime;
+use super::wall_pressure::{AtWall, WallPressure, wrong_profile};
 use super::wrong::Wrong;
 use crate::coupling::effects::{
-    BACKGROUND_REMESH, EVERY_STEP, IMPOSED_REGIONS, PARALLEL_TASKS, PRESSURE_IN_TIME,
+    BACKGROUND_REMESH, EVERY_STEP, IMPOSED_REGIONS, IN_TIME, ONE_WAY, PARALLEL_TASKS,
 };
 use crate::coupling::{
     Acceleration, FluidEffects, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation,
     Swap, Update,
 };
-use crate::domain::{PerWall, WallId};
+use crate::domain::{Aabb, PerWall, WallId};
 use crate::input::InputError;
 use crate::pfv::effects::{
-    BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, FLUID_FORCES, PORE_FLOW, SOURCES, WALL_SLIP,
+    BLOCKED, BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, DARCY, FACTORS, FLUID_FORCES, PORE_FLOW,
+    PROFILES, SOURCES, WALL_SLIP,
 };
 use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
 use crate::solver::SolverKind;
@@ -51,6 +52,11 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "sealed_pores",
         "imposed",
         "sources",
+        "coupling",
+        "darcy_permeability",
+        "conductance_factor",
+        "conductance_regions",
+        "blocked",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -100,9 +106,10 @@ impl Fluid {
         WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w]?)))
     }
 
-    /// Whether the pressure of a wall changes with time.
+    /// Whether the pressure of a wall changes with time or along the wall.
     pub(super) fn changes_pressures(&self) -> bool {
-        self.effects.wall_pressure.values().any(Option::is_some)
+        let FluidEffects { wall_pressure, wall_profile, .. } = &self.effects;
+        wall_pressure.values().any(Option::is_some) || wall_profile.values().any(Option::is_some)
     }
 
     /// What fills the pores of a coupled stage.
@@ -135,12 +142,14 @@ impl Keyed for Fluid {
             self.tolerance = PRESSURE_ERROR;
         }
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
-        pressure(keys, &mut fluid.boundary, &mut effects.wall_pressure)?;
+        pressure(keys, &mut fluid.boundary, effects)?;
         let rules = SealedPoreRule::ALL.map(|rule| (rule.name(), rule));
         keys.take("sealed_pores", &OneOf(&rules), &mut fluid.boundary.sealed_pores)?;
-        let form = "an array of tables, as in [{ center = [0.0, 0.0, 0.0], radius = 0.1, ... }]";
-        keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
-        keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
+        keys.take("coupling", &OneOf(&COUPLINGS), &mut effects.one_way)?;
+        fluid_conditions::keys(keys, effects)?;
+        let clamped = fluid.clamp != Clamp::None;
+        let darcy = effects.conductances.darcy_permeability.is_some();
+        keys.rule("darcy_permeability", (darcy && clamped).then(darcy_beside_clamp))?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
@@ -148,20 +157,31 @@ impl Keyed for Fluid {
     }
 }
 
-/// Pressures of walls. One that changes with time is in `in_time`; the boundary has it at the
-/// beginning.
-fn pressure(
-    keys: &mut Keys,
-    boundary: &mut Boundary,
-    in_time: &mut PerWall<Option<TimeFunction>>,
-) -> Result<()> {
-    let mut both = PerWall::from_fn(|w| {
-        in_time[w].clone().or(boundary.pressure[w].map(TimeFunction::Constant))
+/// Pressures of walls. The boundary has them at the beginning; what changes with time, and along the
+/// walls, is among the effects.
+fn pressure(keys: &mut Keys, boundary: &mut Boundary, effects: &mut FluidEffects) -> Result<()> {
+    let FluidEffects { wall_pressure: in_time, wall_profile, .. } = effects;
+    let mut all = PerWall::from_fn(|w| {
+        let level = in_time[w].clone().or(boundary.pressure[w].map(TimeFunction::Constant))?;
+        Some(WallPressure { level, profile: wall_profile[w].clone() })
     });
-    keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut both.0)?;
-    boundary.pressure = both.map(|p| p.as_ref().map(|p| p.value(0.0)));
-    *in_time = both.map(|p| p.clone().filter(|p| !matches!(p, TimeFunction::Constant(_))));
+    keys.by_wall("pressure", &PRESSURE, &Maybe(AtWall), &mut all.0)?;
+    keys.rule("pressure", wrong_profile(&all))?;
+    let level = all.map(|p| p.as_ref().map(|p| p.level.clone()));
+    boundary.pressure = level.map(|p| p.as_ref().map(|p| p.value(0.0)));
+    *in_time = level.map(|p| p.clone().filter(|p| !matches!(p, TimeFunction::Constant(_))));
+    *wall_profile = all.map(|p| p.as_ref().and_then(|p| p.profile.clone()));
     Ok(())
+}
+
+/// Whether motion squeezes no fluid.
+const COUPLINGS: [(&str, bool); 2] = [("two-way", false), ("one-way", true)];
+
+fn darcy_beside_clamp() -> Wrong {
+    Wrong::new(
+        "stands beside a `clamp`, which bounds what the geometry says",
+        "leave one of the two out",
+    )
 }
 
 /// When networks are built anew. The strain has been looked at.
@@ -332,6 +352,12 @@ impl Fluid {
         ))
     }
 
+    /// What is wrong with its conditions in a box, as far as that is known, and among each other.
+    pub(super) fn misplaced_in(&self, bounds: Option<&Aabb>) -> Option<Wrong> {
+        let outside = |bounds| fluid_conditions::outside(&self.effects, bounds);
+        bounds.and_then(outside).or_else(|| fluid_conditions::contradiction(&self.effects))
+    }
+
     /// What is wrong with a density where nothing has weight.
     pub(super) fn weightless(&self, gravity: bool) -> Option<Wrong> {
         let useless = self.effects.density.is_some() && !gravity;
@@ -343,25 +369,39 @@ impl Fluid {
         })
     }
 
-    /// Effects of this table: `flow` is the fluid where some stage has flow, `coupled` where a
-    /// stage couples it to spheres that move.
+    /// Effects of this table: `flow` is the fluid where some stage has flow, `conditioned` where one
+    /// has it under the conditions of this table, `coupled` where a stage couples it to spheres that
+    /// move.
     pub(super) fn effects(
         flow: Option<&Fluid>,
+        conditioned: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static Effect, bool); 12] {
+    ) -> [(&'static Effect, bool); 17] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
+        let has_factors = |f: &Fluid| {
+            let rules = &f.effects.conductances;
+            rules.factor.is_some() || !rules.regions.is_empty()
+        };
         [
             (&PORE_FLOW, flow.is_some()),
             (&FLUID_FORCES, coupled.is_some()),
             (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls)),
-            (&COMPRESSIBILITY, is(coupled, |f| f.effects.bulk_modulus.is_some())),
+            (&COMPRESSIBILITY, is(conditioned, |f| f.effects.bulk_modulus.is_some())),
             (&BUOYANCY, is(coupled, |f| f.effects.density.is_some())),
-            (&SOURCES, is(coupled, |f| !f.effects.sources.is_empty())),
-            (&IMPOSED_REGIONS, is(coupled, |f| !f.effects.imposed.is_empty())),
-            (&PRESSURE_IN_TIME, is(coupled, Fluid::changes_pressures)),
+            (&SOURCES, is(conditioned, |f| !f.effects.sources.is_empty())),
+            (&IMPOSED_REGIONS, is(conditioned, |f| !f.effects.imposed.is_empty())),
+            (&IN_TIME, is(conditioned, |f| f.effects.change_in_time())),
+            (&PROFILES, is(conditioned, |f| f.effects.wall_profile.values().any(Option::is_some))),
             (&CONDUCTANCE_CLAMP, is(flow, |f| f.fluid.clamp != Clamp::None)),
-            (&BACKGROUND_REMESH, is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
-            (&EVERY_STEP, is(coupled, |f| f.acceleration.update == Update::EveryStep)),
+            (&DARCY, is(flow, |f| f.effects.conductances.darcy_permeability.is_some())),
+            (&FACTORS, is(flow, has_factors)),
+            (&BLOCKED, is(flow, |f| !f.effects.conductances.blocked.is_empty())),
+            (&ONE_WAY, is(coupled, |f| f.effects.one_way)),
+            (
+                &BACKGROUND_REMESH,
+                is(conditioned, |f| f.acceleration.remesh == RemeshMode::Background),
+            ),
+            (&EVERY_STEP, is(conditioned, |f| f.acceleration.update == Update::EveryStep)),
             (&PARALLEL_TASKS, is(coupled, |f| f.acceleration.parallel_tasks)),
         ]
     }
