@@ -11,6 +11,7 @@ mod contacts;
 mod dem;
 mod difference;
 mod fluid;
+mod fluid_conditions;
 mod keys;
 mod kind;
 mod nearest;
@@ -26,6 +27,7 @@ mod stage;
 mod syntax;
 mod table;
 mod time_function;
+mod wall_pressure;
 mod walls;
 mod wrong;
 
@@ -43,5 +45,7 @@ pub use particles::{ParticleSource, Particles};
 pub use plan::Plan;
 pub use read::known_keys;
 pub use sizes::{Cloud, SizeClass, Sizes};
-pub use stage::{Compact, Consolidate, Cycle, Permeability, Run, Stage, StageKind, Until};
+pub use stage::{
+    Compact, Consolidate, Cycle, FlowOnly, Permeability, Run, Stage, StageKind, Until,
+};
 pub use walls::Walls;

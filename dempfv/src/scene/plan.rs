@@ -175,10 +175,13 @@ impl Plan {
             }
         }
         self.contact_rules()?;
-        let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
+        let coupled = self.stages.iter().find(|s| s.kind.has_conditions());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
         let wrong = self.fluid.as_ref().and_then(|fluid| {
-            coupled.and_then(|s| fluid.undetermined_in(&s.name)).or(fluid.weightless(gravity))
+            coupled
+                .and_then(|s| fluid.undetermined_in(&s.name))
+                .or_else(|| fluid.weightless(gravity))
+                .or_else(|| fluid.misplaced_in(self.bounds.as_ref()))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -290,6 +293,11 @@ impl Plan {
         (effects != GranularEffects::default()).then(|| Granular::new(effects)).transpose()
     }
 
+    /// Whether spheres move in any stage.
+    pub fn moves(&self) -> bool {
+        self.stages.iter().any(|stage| stage.kind.moves())
+    }
+
     /// The mechanics of a stage: `[dem]`, with what the stage says otherwise. `None` where
     /// nothing moves.
     pub fn mechanics(&self, stage: &Stage) -> Option<Dem> {
@@ -310,24 +318,32 @@ impl Plan {
                     return load_packing_in_cell(path, shape).map(Some);
                 }
                 let (packing, bounds) = load_packing(path, self.bounds)?;
-                self.check_probes(&bounds)?;
+                self.check_places(&bounds)?;
                 Ok(Some((packing, bounds)))
             }
             ParticleSource::Cloud(_) => Ok(None),
         }
     }
 
-    /// Refuses a probe outside the box that holds the packing.
-    fn check_probes(&self, bounds: &Aabb) -> Result<(), InputError> {
-        let Some((_, problem)) = self.output.probe_outside(bounds) else { return Ok(()) };
-        let error = InputError::new(
-            format!("`probes` in [output] {problem}"),
-            "give points inside the box of the packing",
-        );
-        Err(match &self.file {
+    /// Refuses probes and regions outside the box that holds the packing.
+    fn check_places(&self, bounds: &Aabb) -> Result<(), InputError> {
+        if let Some((_, problem)) = self.output.probe_outside(bounds) {
+            let what = format!("`probes` in [output] {problem}");
+            return Err(self.error(what, "give points inside the box of the packing"));
+        }
+        match self.fluid.as_ref().and_then(|fluid| fluid.misplaced_in(Some(bounds))) {
+            Some(wrong) => Err(self.error(format!("[fluid] {}", wrong.problem), wrong.remedy)),
+            None => Ok(()),
+        }
+    }
+
+    /// An error about this plan, with its file.
+    pub(crate) fn error(&self, what: String, remedy: impl Into<String>) -> InputError {
+        let error = InputError::new(what, remedy);
+        match &self.file {
             Some(file) => error.in_file(file),
             None => error,
-        })
+        }
     }
 
     /// Every effect that the program knows, and whether this plan simulates it: those of each
@@ -337,8 +353,9 @@ impl Plan {
         let contacts = !moving.is_empty();
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
         let coupled = self.fluid.as_ref().filter(|_| any(StageKind::is_coupled));
+        let conditioned = self.fluid.as_ref().filter(|_| any(StageKind::has_conditions));
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
-        let flow = coupled.or(self.fluid.as_ref().filter(|_| measured));
+        let flow = conditioned.or(self.fluid.as_ref().filter(|_| measured));
         let mut effects = Vec::new();
         effects.extend(self.particles.effects(contacts));
         effects.extend(self.walls.effects(contacts && self.particles.has_friction()));
@@ -347,7 +364,7 @@ impl Plan {
         effects.extend(Dem::effects(&moving));
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
-        effects.extend(Fluid::effects(flow, coupled));
+        effects.extend(Fluid::effects(flow, conditioned, coupled));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

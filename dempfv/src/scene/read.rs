@@ -18,10 +18,13 @@ use super::plan::{self, Place, Plan};
 use super::region;
 use super::schema::Schema;
 use super::sizes;
-use super::stage::{Before, Stage, cell_controls, compact, consolidate, cycle, permeability, run};
+use super::stage::{
+    Before, Stage, cell_controls, compact, consolidate, cycle, flow, permeability, run,
+};
 use super::syntax;
 use super::table::{Source, Table, Value};
 use super::time_function;
+use super::wall_pressure;
 use super::walls::{self, Walls};
 use crate::domain::Aabb;
 use crate::error::Error;
@@ -30,7 +33,7 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 25] = [
+static SCHEMAS: [&Schema; 29] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
@@ -43,12 +46,16 @@ static SCHEMAS: [&Schema; 25] = [
     &fluid::SCHEMA,
     &fluid::PRESSURE,
     &time_function::SCHEMA,
+    &wall_pressure::SCHEMA,
     &region::IMPOSED,
     &region::SOURCES,
+    &region::BLOCKED,
+    &region::CONDUCTANCE_REGIONS,
     &output::SCHEMA,
     &compact::SCHEMA,
     &cycle::SCHEMA,
     &permeability::SCHEMA,
+    &flow::SCHEMA,
     &consolidate::SCHEMA,
     &run::SCHEMA,
     &run::UNTIL,

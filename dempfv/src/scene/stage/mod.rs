@@ -4,6 +4,7 @@ pub(super) mod cell_controls;
 pub(super) mod compact;
 pub(super) mod consolidate;
 pub(super) mod cycle;
+pub(super) mod flow;
 pub(super) mod permeability;
 pub(super) mod run;
 
@@ -12,6 +13,7 @@ use serde::Serialize;
 pub use compact::Compact;
 pub use consolidate::Consolidate;
 pub use cycle::Cycle;
+pub use flow::FlowOnly;
 pub use permeability::Permeability;
 pub use run::{Run, Until};
 
@@ -54,6 +56,8 @@ pub enum StageKind {
     Cycle(Cycle),
     /// Static flow through the packing at rest.
     Permeability(Permeability),
+    /// The fluid alone, through spheres at rest.
+    Flow(FlowOnly),
     /// Coupled one-dimensional consolidation.
     Consolidate(Consolidate),
     /// A number of steps under given wall motions.
@@ -67,6 +71,7 @@ impl StageKind {
             StageKind::Compact(_) => "compact",
             StageKind::Cycle(_) => "cycle",
             StageKind::Permeability(_) => "permeability",
+            StageKind::Flow(_) => "flow",
             StageKind::Consolidate(_) => "consolidate",
             StageKind::Run(_) => "run",
         }
@@ -74,10 +79,15 @@ impl StageKind {
 
     /// True when spheres move in this stage.
     pub const fn moves(&self) -> bool {
-        !matches!(self, StageKind::Permeability(_))
+        !matches!(self, StageKind::Permeability(_) | StageKind::Flow(_))
     }
 
-    /// True when the flow is solved at every step of this stage.
+    /// True when the fluid flows under the conditions of its table in this stage.
+    pub const fn has_conditions(&self) -> bool {
+        self.is_coupled() || matches!(self, StageKind::Flow(_))
+    }
+
+    /// True when the flow is solved at every step of this stage, beside the motion of the spheres.
     pub const fn is_coupled(&self) -> bool {
         match self {
             StageKind::Consolidate(_) => true,
@@ -96,7 +106,7 @@ impl StageKind {
         match self {
             StageKind::Cycle(_) | StageKind::Consolidate(_) => true,
             StageKind::Run(run) => run.has_servo(),
-            StageKind::Compact(_) | StageKind::Permeability(_) => false,
+            StageKind::Compact(_) | StageKind::Permeability(_) | StageKind::Flow(_) => false,
         }
     }
 
@@ -110,6 +120,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.schema(),
             StageKind::Cycle(stage) => stage.schema(),
             StageKind::Permeability(stage) => stage.schema(),
+            StageKind::Flow(stage) => stage.schema(),
             StageKind::Consolidate(stage) => stage.schema(),
             StageKind::Run(stage) => stage.schema(),
         }
@@ -120,6 +131,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.check(),
             StageKind::Cycle(stage) => stage.check(),
             StageKind::Permeability(stage) => stage.check(),
+            StageKind::Flow(stage) => stage.check(),
             StageKind::Consolidate(stage) => stage.check(),
             StageKind::Run(stage) => stage.check(),
         }
@@ -130,6 +142,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.write(),
             StageKind::Cycle(stage) => stage.write(),
             StageKind::Permeability(stage) => stage.write(),
+            StageKind::Flow(stage) => stage.write(),
             StageKind::Consolidate(stage) => stage.write(),
             StageKind::Run(stage) => stage.write(),
         }
@@ -142,12 +155,13 @@ impl StageKind {
             StageKind::Cycle(stage) => stage.max_velocity = max_velocity,
             StageKind::Consolidate(stage) => stage.max_velocity = max_velocity,
             StageKind::Run(stage) => stage.fluid = before.has_fluid,
-            StageKind::Compact(_) | StageKind::Permeability(_) => {}
+            StageKind::Compact(_) | StageKind::Permeability(_) | StageKind::Flow(_) => {}
         }
         Ok(match self {
             StageKind::Compact(stage) => StageKind::Compact(stage.read(table)?),
             StageKind::Cycle(stage) => StageKind::Cycle(stage.read(table)?),
             StageKind::Permeability(stage) => StageKind::Permeability(stage.read(table)?),
+            StageKind::Flow(stage) => StageKind::Flow(stage.read(table)?),
             StageKind::Consolidate(stage) => StageKind::Consolidate(stage.read(table)?),
             StageKind::Run(stage) => StageKind::Run(stage.read_with(table, max_velocity)?),
         })
@@ -240,7 +254,7 @@ impl Stage {
             let problem = "moves spheres, but there is no [dem]";
             return Some(Wrong::new(problem, "add [dem] (it may be empty)"));
         }
-        let needs_fluid = kind.is_coupled() || matches!(kind, StageKind::Permeability(_));
+        let needs_fluid = kind.has_conditions() || matches!(kind, StageKind::Permeability(_));
         let Some(fluid) = fluid else {
             let problem = "needs a fluid, but there is no [fluid]";
             let remedy = "add [fluid] with `viscosity` in Pa·s";
@@ -250,6 +264,7 @@ impl Stage {
             StageKind::Consolidate(stage) => {
                 stage.wrong_after(&measured(Axis::of(stage.wall), earlier), fluid)
             }
+            StageKind::Flow(stage) => stage.wrong_with(fluid.effects.store()),
             _ => self.wrong(),
         }
     }
@@ -307,6 +322,7 @@ fn read_kind(stage: &Value) -> Result<StageKind> {
         StageKind::Compact(Compact::default()),
         StageKind::Cycle(Cycle::default()),
         StageKind::Permeability(Permeability::default()),
+        StageKind::Flow(FlowOnly::default()),
         StageKind::Consolidate(Consolidate::default()),
         StageKind::Run(Run::default()),
     ];

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::context::{Context, Progress};
 use crate::coupling::{CouplingError, Phase};
-use crate::pfv::{Boundary, Flow};
+use crate::pfv::terms::StepTerms;
+use crate::pfv::{Assembled, Boundary, NetworkConditions};
 use crate::scene;
 use crate::simulation::outcome::{Outcome, PermeabilityTest};
 use crate::theory::{kozeny_carman, sauter_diameter};
@@ -37,14 +38,14 @@ impl State {
 
         let dem = context.coupled.dem();
         let particles = dem.storage();
-        let mut flow = Flow::new(
-            &particles.position,
-            &particles.radius,
-            dem.box_(),
-            &fluid_in_pores,
-            fluid.solver,
-        )
-        .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
+        let conductances = fluid.effects.conductances.clone();
+        let conditions = NetworkConditions { conductances, ..NetworkConditions::default() };
+        let (x, r) = (&particles.position, &particles.radius);
+        let terms = StepTerms::default();
+        let mut flow =
+            Assembled::with_conditions(x, r, dem.box_(), &fluid_in_pores, conditions, terms)
+                .and_then(|assembled| assembled.analyze(fluid.solver, None)?.factor())
+                .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
         context.coupled.book_build(flow.build_times());
         context.coupled.time(Phase::Solve, || flow.solve_static())?;
         let measured = flow.permeability(lower);
