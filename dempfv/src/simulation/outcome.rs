@@ -28,7 +28,7 @@ pub enum Outcome {
     /// Of a `permeability` stage.
     Permeability(PermeabilityTest),
     /// Of a `flow` stage.
-    Flow(FlowTest),
+    Flow(Box<FlowTest>),
     /// Of a `consolidate` stage.
     Consolidate(Consolidation),
     /// Of a `run` stage.
