@@ -26,6 +26,7 @@ COMPARISON := out/compare-yade
 CONTEST := out/compare-peers
 PAPER := out/paper
 EVERY_STEP := out/every-step
+EFFECT_COSTS := out/effect-costs
 BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
@@ -33,7 +34,7 @@ WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint torture fuzz vtk-test demo-test docs-test package-test memcheck racecheck \
-	compare compare-test compare-yade yade-test paper every-step cuda cuda-test bundle bench install-packages \
+	compare compare-test compare-yade yade-test paper every-step effect-costs cuda cuda-test bundle bench install-packages \
 	install-test-packages install-yade install-memcheck-packages install-peers
 
 help: ## List these commands
@@ -107,7 +108,7 @@ compare-yade: build install-yade ## Run YADE on the same input, side by side; wr
 # The comparison on the two smallest packings, times left out; fails where a bound does.
 yade-test: build install-yade
 	$(DEMPFV) compare yade packings/oedometer-1000.txt packings/oedometer-5000.txt \
-	    --part network --part dry --part coupled --out out/yade-test --force
+	    --part network --part edges --part dry --part coupled --out out/yade-test --force
 
 # Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
 # included. One thread for OpenBLAS: its others are valgrind's to run in turn.
@@ -134,6 +135,11 @@ every-step: build ## Measure what following the spheres at every step costs and 
 	mkdir -p docs/evidence/every-step
 	cp $(EVERY_STEP)/every-step/*.png $(EVERY_STEP)/every-step/*.csv docs/evidence/every-step/
 	cp $(EVERY_STEP)/every-step.md docs/evidence/every-step.md
+
+effect-costs: build ## Measure what each effect adds to the time of a step; writes docs/effect-costs.md (a quarter of an hour)
+	$(DEMPFV) effect-costs --out $(EFFECT_COSTS) --force
+	cp $(EFFECT_COSTS)/effect-costs.md $(EFFECT_COSTS)/effect-costs.csv docs/
+	DEMPFV_WRITE_DOCS=1 cargo test --locked --test effects_page
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda

@@ -37,6 +37,8 @@ mod without {
         Paper(Anything),
         #[command(hide = true)]
         EveryStep(Anything),
+        #[command(hide = true)]
+        EffectCosts(Anything),
     }
 
     #[derive(clap::Args)]
@@ -68,6 +70,7 @@ mod without {
             Command::Compare(_) => "compare",
             Command::Paper(_) => "paper",
             Command::EveryStep(_) => "every-step",
+            Command::EffectCosts(_) => "effect-costs",
         };
         Err(Error(name).into())
     }

@@ -13,7 +13,9 @@ const HEAD: &str = "\
 
 A scene simulates the effects that it names, and nothing else: what is off has no array, no branch in
 a loop, no library call. `dempfv check SCENE` lists what is on, what that makes necessary, and what is
-off. This page is written from what each effect's file says of itself.
+off. This page is written from what each effect's file says of itself. The cost is what a step takes
+more at 20,000 spheres than without the effect, on the scene and in the run of
+[effect-costs.md](effect-costs.md).
 ";
 
 const FAMILIES: [(Family, &str); 5] = [
@@ -28,19 +30,37 @@ fn effects() -> Vec<&'static Effect> {
     Plan::default().effects().into_iter().map(|(effect, _)| effect).collect()
 }
 
+/// The costs that the last `make effect-costs` found.
+fn costs() -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/effect-costs.csv"))
+        .unwrap()
+}
+
+/// What an effect adds to a step, and on top of which scene; nothing where it was not priced.
+fn cost(effect: &str, costs: &str) -> String {
+    let mut rows = costs.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    match rows.find(|row| row[0] == effect).as_deref() {
+        Some([_, over, adds, _]) if !adds.is_empty() => format!("{adds} % of {over}"),
+        Some([_, _, _, step]) => format!("{step} ms"),
+        _ => String::new(),
+    }
+}
+
 fn page() -> String {
+    let costs = costs();
     let mut page = HEAD.to_owned();
     for (family, title) in FAMILIES {
         let _ = write!(
             page,
-            "\n## {title}\n\n| effect | equation | keys (unit, default) | needs | source | test |\n\
-             |---|---|---|---|---|---|\n"
+            "\n## {title}\n\n| effect | equation | keys (unit, default) | needs | cost | source | test |\n\
+             |---|---|---|---|---|---|---|\n"
         );
         for effect in effects().into_iter().filter(|effect| effect.family == family) {
             let Effect { name, equation, source, needs, test, .. } = effect;
             let keys: Vec<String> = effect.keys.iter().map(key).collect();
             let keys = keys.join("; ");
-            let cells = [name, equation, keys.as_str(), needs, source, test];
+            let cost = cost(name, &costs);
+            let cells = [name, equation, keys.as_str(), needs, cost.as_str(), source, test];
             let cells = cells.map(|cell| cell.replace('|', "\\|"));
             let _ = writeln!(page, "| {} |", cells.join(" | "));
         }

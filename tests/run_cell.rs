@@ -75,8 +75,44 @@ fn a_cell_is_checked_run_and_written() {
         .unwrap();
     let name = name.to_str().unwrap();
     assert!(std::fs::read_to_string(name).unwrap().contains("# cell 0.1 0.0 0.0 0.02 0.1 0.0 "));
+    folder.done(&["permeability", name, "--json", "k.json"]);
+    let k = folder.json("k.json");
+    let of = |a: usize, b: usize| k["tensor_m2"][a][b].as_f64().unwrap();
+    assert_eq!(k["axes"][1]["permeability_m2"].as_f64().unwrap(), of(1, 1));
+    assert!(of(0, 0) > 0.0 && (of(0, 1) - of(1, 0)).abs() < 1e-9 * of(0, 0), "{k}");
     // A command that knows walls only says so, with what would be right.
-    let refused = folder.dempfv(&["permeability", name]);
+    let refused = folder.dempfv(&["network", name]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(error(&refused).contains("periodic cell"), "{}", error(&refused));
+}
+
+/// A fluid in the cell: the plan names its gradient, the history its velocity, frames hold its pores.
+#[test]
+fn a_wet_cell_is_checked_run_and_written() {
+    let folder = Folder::new("wet-cell");
+    let fluid = "[fluid]\nviscosity = 1e-3\npressure_gradient = [-50.0, 0.0, 0.0]\n[dem]";
+    let wet = SCENE.replace("[dem]", fluid).replace("cell_stress = { yy = 1e4 }", "").replace(
+        "kind = \"run\"",
+        "kind = \"permeability\"\naxis = \"x\"\n[[stage]]\nkind = \"run\"",
+    );
+    folder.write("scene.toml", &wet);
+    let plan = folder.done(&["check", "scene.toml"]);
+    assert!(plan.contains("mean gradient -50, 0, 0 Pa/m"), "{plan}");
+    assert!(plan.contains("fluid forces on spheres, pressure gradient, energy by cause"), "{plan}");
+    let said = folder.done(&["run", "scene.toml", "--out", "out"]);
+    assert!(said.contains("k_x = "), "{said}");
+    let summary = folder.json("out/summary.json");
+    let test = &summary["stages"][1]["permeability"];
+    assert_eq!(test["tensor_m2"][0][0], test["permeability_m2"]);
+    let energy = &summary["energy"];
+    assert!(energy["cell_work"].as_f64().is_some_and(|w| w != 0.0), "{energy}");
+    let history = folder.read("out/history.csv");
+    let header: Vec<&str> = history.lines().next().unwrap().split(',').collect();
+    let last: Vec<&str> = history.lines().last().unwrap().split(',').collect();
+    let at = header.iter().position(|h| *h == "cell_fluid_velocity_x_m_s").unwrap();
+    // Darcy's: k/μ times the gradient, of a packing that has been sheared by some per mille since.
+    let velocity: f64 = last[at].parse().unwrap();
+    let expected = 50.0 * test["permeability_m2"].as_f64().unwrap() / 1e-3;
+    assert!((velocity / expected - 1.0).abs() < 0.05, "{velocity} {expected}");
+    assert!(folder.0.join("out/pores.pvd").exists());
 }

@@ -99,3 +99,20 @@ fn the_cemented_column_is_unconfined() {
     }
     assert!(matches!(press.until, Until::Strain { axis: Axis::Y, .. }));
 }
+
+/// Viscosity rules: films are on, and the Stokes number of a sphere at its own speed of sinking is below
+/// 1.
+#[test]
+fn sedimentation_is_viscous() {
+    let plan = load("sedimentation.toml");
+    let on = plan.effects_on();
+    for effect in ["viscous shear", "normal lubrication", "buoyancy"] {
+        assert!(on.contains(&effect), "{effect}: {on:?}");
+    }
+    let ParticleSource::Cloud(cloud) = &plan.particles.source else { panic!("no cloud") };
+    let fluid = plan.fluid.as_ref().unwrap();
+    let (d, mu) = (2.0 * cloud.sizes.largest(), fluid.fluid.viscosity);
+    let density = plan.particles.material.density;
+    let speed = (density - fluid.effects.density.unwrap()) * 9.81 * d * d / (18.0 * mu);
+    assert!(density * d * speed / (18.0 * mu) < 1.0, "{speed}");
+}

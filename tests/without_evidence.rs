@@ -10,8 +10,13 @@ fn what_is_not_built_is_named_and_not_offered() {
     let folder = Folder::new("without-evidence");
     let help = folder.done(&["--help"]);
     assert!(help.contains("permeability") && !help.contains("paper"), "{help}");
-    for words in [&["compare", "yade", "--part", "time"][..], &["paper", "--help"], &["every-step"]]
-    {
+    let measurements: [&[&str]; 4] = [
+        &["compare", "yade", "--part", "time"],
+        &["paper", "--help"],
+        &["every-step"],
+        &["effect-costs", "--turns", "1"],
+    ];
+    for words in measurements {
         let output = folder.dempfv(words);
         let message = error(&output);
         assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");

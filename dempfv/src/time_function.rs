@@ -28,6 +28,12 @@ pub enum TimeFunction {
     },
 }
 
+impl From<f64> for TimeFunction {
+    fn from(value: f64) -> TimeFunction {
+        TimeFunction::Constant(value)
+    }
+}
+
 impl TimeFunction {
     /// The value at a time (s). Not a number for a ramp without points; see
     /// [`TimeFunction::problem`].

@@ -4,7 +4,7 @@
 use dempfv::coupling::Observation;
 use dempfv::io::packing::Packing;
 use dempfv::scene::{Plan, load_packing};
-use dempfv::simulation::{Advice, Estimate, Simulation, Specimen, Verdict};
+use dempfv::simulation::{Advice, Estimate, Simulation, Specimen, Stability, Verdict};
 use dempfv::{Aabb, WallId};
 
 /// The shipped packing of 1,000 spheres, settled at 1 kPa.
@@ -27,8 +27,12 @@ fn scene(density: f64, tables: &str, stage: &str) -> Plan {
 }
 
 fn advice(plan: &Plan, effect: &str) -> Advice {
+    advice_for(plan, effect, Specimen::of_radii(&packing().0.radius))
+}
+
+fn advice_for(plan: &Plan, effect: &str, specimen: Specimen) -> Advice {
     let (packing, bounds) = packing();
-    let specimen = Specimen::of_radii(&packing.radius).in_box(&packing.radius, &bounds, plan);
+    let specimen = specimen.in_box(&packing.radius, &bounds, plan);
     let estimate = Estimate::of(plan, &specimen).unwrap();
     let all = Advice::of(plan, &specimen, &estimate, &bounds);
     let said: Vec<String> = all.iter().map(Advice::to_string).collect();
@@ -130,6 +134,110 @@ fn rate_of_loading() {
     }
 }
 
+/// Steps of the contacts' bound alone, in water and in syrup: where viscosity would change the step
+/// by less than a per cent nothing happens, where it needs a shorter one the run ends.
+#[test]
+fn viscosity_in_the_time_step() {
+    for (viscosity, verdict) in [(1e-4, Verdict::LeaveOut), (10.0, Verdict::Needed)] {
+        let stage = "steps = 500\nwalls = { y_max = { velocity = -0.001 } }";
+        let tables = |dt: &str| {
+            format!(
+                "[dem]\ndamping = 0.2\ndt = {dt}\n[fluid]\nviscosity = {viscosity:e}\n\
+                 pressure = {{ y_max = 0 }}"
+            )
+        };
+        let auto = scene(2600.0, &tables("\"auto\""), stage);
+        let mut specimen = Specimen::of_radii(&packing().0.radius);
+        specimen.bounds = Stability::of(&auto).unwrap().map(|found| found.bounds);
+        let contact = specimen.bounds.unwrap().contact;
+        let said = advice_for(&auto, "viscosity in the time step", specimen);
+        let fixed = scene(2600.0, &tables(&format!("{:e}", 0.8 * contact)), stage);
+        let energy = |plan: &Plan| {
+            let mut simulation = Simulation::new(plan.clone()).unwrap();
+            while simulation.advance().unwrap_or(false) {}
+            simulation.observe().kinetic_energy
+        };
+        match verdict {
+            // Both steps are stable, and the same but for the share that was said.
+            Verdict::LeaveOut => {
+                let dt = |plan: &Plan| {
+                    let mut simulation = Simulation::new(plan.clone()).unwrap();
+                    simulation.advance().unwrap();
+                    simulation.dt()
+                };
+                holds(&said, verdict, (dt(&fixed) / dt(&auto) - 1.0).abs());
+                assert!(energy(&fixed) < 2.0 * energy(&auto));
+            }
+            _ => holds(&said, verdict, energy(&fixed) / energy(&auto) - 1.0),
+        }
+    }
+}
+
+/// A packing that is squeezed under stress, with films of a thousandth of the radius and without: the
+/// stress that holds it.
+#[test]
+fn lubrication() {
+    for (viscosity, dt, verdict) in [(1.0, 4e-6, Verdict::Needed), (0.1, 1e-5, Verdict::LeaveOut)] {
+        let plan = |films: bool| {
+            let edges = if films { "normal_lubrication = true\neps = 1e-3" } else { "" };
+            let tables = format!(
+                "[dem]\ndt = {dt:e}\ndamping = 0.2\n[fluid]\nviscosity = {viscosity:e}\n\
+                 pressure = {{ x_min = 0, x_max = 0, y_min = 0, y_max = 0, z_min = 0, z_max = 0 }}\n{edges}"
+            );
+            let walls = "{ y_max = { velocity = -0.001 }, x_max = { stress = 1000 } }";
+            scene(2600.0, &tables, &format!("time = 0.012\nwalls = {walls}"))
+        };
+        let said = advice(&plan(true), "lubrication");
+        assert_eq!(said.number, "J = μ ε̇ / σ");
+        let lid = |plan: &Plan| {
+            let o = run(plan).1;
+            let w = WallId::YMax.index();
+            o.contact_stress[w] + o.fluid_stress[w]
+        };
+        holds(&said, verdict, (lid(&plan(true)) / lid(&plan(false)) - 1.0).abs());
+    }
+}
+
+/// A sphere that falls onto a wall along which the fluid slips, with a film and without: the speed at
+/// which it leaves. Two spheres that meet lose twice as much.
+#[test]
+fn lubrication_of_impacts() {
+    let folder = std::env::temp_dir().join(format!("dempfv-advice-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("one.txt");
+    std::fs::write(&path, "# box 0 0 0 0.02 0.02 0.02\n0.01 0.012 0.01 0.001\n").unwrap();
+    for (viscosity, verdict) in [(0.02, Verdict::Needed), (1e-4, Verdict::LeaveOut)] {
+        let plan = |films: bool| {
+            let edges = if films { "normal_lubrication = true\neps = 1e-3" } else { "" };
+            let text = format!(
+                "[particles]\npacking = {path:?}\nyoung = 1e6\ndensity = 2600\n[dem]\ndt = 2e-6\n\
+                 damping = 0\ngravity = [0, -9.81, 0]\n[fluid]\nviscosity = {viscosity}\n\
+                 pressure = {{ x_min = 0, x_max = 0, y_min = 0, y_max = 0, z_min = 0, z_max = 0 }}\n\
+                 {edges}\n[[stage]]\nkind = \"run\"\ntime = 0.08\n"
+            );
+            Plan::from_toml(&text, None).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let with = plan(true);
+        let (packing, bounds) = with.packing().unwrap().unwrap();
+        let specimen = Specimen::of_radii(&packing.radius).in_box(&packing.radius, &bounds, &with);
+        let estimate = Estimate::of(&with, &specimen).unwrap();
+        let all = Advice::of(&with, &specimen, &estimate, &bounds);
+        let said = all.into_iter().find(|a| a.effect == "lubrication").unwrap();
+        assert_eq!(said.number, "St = ρ_s d v / 18 μ");
+        let rebound = |plan: &Plan| {
+            let mut simulation = Simulation::new(plan.clone()).unwrap();
+            let mut fastest = 0.0f64;
+            while simulation.advance().unwrap() {
+                fastest = fastest.max(simulation.coupled().dem().velocity(0).y);
+            }
+            fastest
+        };
+        let change = (rebound(&with) / rebound(&plan(false)) - 1.0).abs();
+        holds(&said, verdict, change);
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 /// Where the stiffness of the packing is not that of linear springs nothing is said that needs it.
 #[test]
 fn nothing_is_said_that_is_not_known() {
@@ -143,7 +251,8 @@ fn nothing_is_said_that_is_not_known() {
         let all = Advice::of(&plan, &specimen, &estimate, &bounds);
         all.into_iter().map(|advice| advice.effect).collect::<Vec<_>>()
     };
-    assert_eq!(effects(tables), ["gravity", "pore flow", "fluid compressibility"]);
+    let known = ["gravity", "viscosity in the time step", "pore flow", "fluid compressibility"];
+    assert_eq!(effects(tables), known);
     let hertz = format!("[contacts]\nlaw = \"hertz-mindlin\"\n{tables}");
-    assert_eq!(effects(&hertz), ["gravity"]);
+    assert_eq!(effects(&hertz), ["gravity", "viscosity in the time step"]);
 }

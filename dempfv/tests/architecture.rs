@@ -16,10 +16,13 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("parallel", &[]),
     ("theory", &[]),
     ("solver", &["parallel", "calls"]),
-    ("dem", &["parallel", "domain", "effect", "calls"]),
+    ("dem", &["parallel", "domain", "effect", "excerpt", "time_function", "calls"]),
     ("pfv", &["solver", "parallel", "domain", "effect", "calls"]),
     ("io", &["excerpt", "input", "domain", "solver", "pfv"]),
-    ("coupling", &["dem", "pfv", "solver", "parallel", "domain", "effect", "time_function"]),
+    (
+        "coupling",
+        &["dem", "pfv", "solver", "parallel", "domain", "effect", "excerpt", "time_function"],
+    ),
     (
         "scene",
         &[

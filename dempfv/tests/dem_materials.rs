@@ -6,7 +6,8 @@ use dem_support::{UNIT, bits, frictionless_walls, material, settled};
 use dempfv::coupling::Coupled;
 use dempfv::dem::law::Linear;
 use dempfv::dem::{
-    Dem, DemError, DemOptions, Material, Particles, Partner, WallControl, WallMaterial,
+    Dem, DemError, DemOptions, Material, MaterialPair, Particles, Partner, WallControl,
+    WallMaterial,
 };
 use dempfv::{Vec3, WallId};
 
@@ -219,4 +220,38 @@ fn a_servo_wall_rests_on_the_stiffer_spheres() {
         }
         assert!(most < 3.0, "{soft_layers} layers: {most} times the stress wanted");
     }
+}
+
+/// What a pair is given stands in the place of what follows from both materials, for that pair alone; a
+/// friction for all takes the pair's along, until the materials come back.
+#[test]
+fn a_pair_has_its_own_constants() {
+    let [soft, hard] = [1e6, 4e6].map(|young| Material { young, ..material() });
+    let x = [0.0, 0.199, 0.398].map(|x| Vec3::new(0.3 + x, 0.5, 0.5)).to_vec();
+    let p = Particles::of_materials(x, vec![0.1; 3], vec![0, 1, 1], &[soft, hard]).unwrap();
+    let (walls, options) = (frictionless_walls(), DemOptions::default());
+    let mut dem = Dem::with_law(Linear, p, UNIT, &[soft, hard], walls, options).unwrap();
+    let stiffness = |dem: &mut Dem| {
+        dem.compute_contacts().unwrap();
+        let mut of_pairs: Vec<f64> = dem.contacts().map(|c| c.stiffness).collect();
+        of_pairs.sort_by(f64::total_cmp);
+        of_pairs
+    };
+    // 2 E r₁ r₂ / (r₁ + r₂) with the harmonic mean of both moduli.
+    let near = |found: Vec<f64>, expected: [f64; 2]| {
+        found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12)
+    };
+    assert!(near(stiffness(&mut dem), [1.6e5, 4e5]));
+    let pair = MaterialPair {
+        between: [1, 0],
+        young: Some(3e6),
+        stiffness_ratio: None,
+        friction_angle: Some(0.0),
+    };
+    dem.set_materials(&[soft, hard], &[pair]).unwrap();
+    assert!(near(stiffness(&mut dem), [3e5, 4e5]));
+    dem.sort_spatially().unwrap();
+    dem.set_friction(0.1).unwrap();
+    assert!(near(stiffness(&mut dem), [3e5, 4e5]));
+    assert_eq!(dem.material_pairs()[0].friction_angle, None);
 }

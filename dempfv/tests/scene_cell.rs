@@ -58,7 +58,15 @@ fn what_a_cell_has_no_room_for_is_refused() {
     for (old, new, line, words) in [
         ("[cell]", "[box]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n[cell]", 3, "a cell has no walls"),
         ("[dem]", "[walls]\nyoung = 1.0\n[dem]", 7, "a cell has no walls"),
-        ("[dem]", "[fluid]\nviscosity = 1.0\n[dem]", 7, "no flow across its faces yet"),
+        // As the walls would be that a scene does not name.
+        ("[dem]", "[walls]\nyoung = 1e6\n[dem]", 7, "a cell has no walls"),
+        ("[dem]", "[walls]\n[dem]", 7, "a cell has no walls"),
+        ("zz = 2e4 }", "zz = -1.0 }", 11, "the tension `cell_stress` zz = -1e0 Pa"),
+        ("zz = 2e4 }", "zz = -1E+0_0 }", 11, "give 0 or more"),
+        ("zz = 2e4 }", "zz = 1e300 }", 11, "below `young` in [particles]"),
+        ("cell_stress = { yy = 1e4, zz = 2e4 }", "cell_stress = {}", 16, "names no component"),
+        ("cell_stress = { yy = 1e4, zz = 2e4 }", "cell_stress = -1.0", 16, "give a table with"),
+        ("velocity_gradient = { xy = 2.0, zx = -0.5 }", "velocity_gradient = {}", 15, "names no"),
         ("[dem]", "[dem]\ngravity = [0, 0, -9.81]", 7, "nothing holds the spheres up"),
         ("steps = 400", "steps = 400\nwalls = { y_max = { stress = 1 } }", 11, "move the cell"),
         ("zz = 2e4", "xy = 2e4", 16, "keep one of the two"),
@@ -88,6 +96,91 @@ fn what_a_cell_has_no_room_for_is_refused() {
         SCENE.replace("[cell]", "[box]").replace(cell, "min = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]");
     let error = Plan::from_toml(&walls, None).unwrap_err().to_string();
     assert!(error.contains("moves a periodic cell, but there is none"), "{error}");
+}
+
+/// What a fluid in a cell has no place for, or could not follow.
+#[test]
+fn what_a_fluid_in_a_cell_cannot_be_is_refused() {
+    let wet = SCENE.replace("[dem]", "[fluid]\nviscosity = 1e-3\nbulk_modulus = 2e9\n[dem]");
+    Plan::from_toml(&wet, None).unwrap();
+    for (old, new, line, words) in [
+        ("bulk_modulus = 2e9", "pressure = { y_max = 0.0 }", 7, "drives the flow in a cell"),
+        (
+            "bulk_modulus = 2e9",
+            "imposed = [{ center = [0, 0, 0], radius = 0.1, pressure = 1 }]",
+            7,
+            "drives the flow in a cell",
+        ),
+        (
+            "bulk_modulus = 2e9",
+            "sources = [{ center = [0, 0, 0], radius = 0.1, rate = 1 }]",
+            7,
+            "whose fluid cannot leave",
+        ),
+        ("bulk_modulus = 2e9", "slip_walls = false", 7, "a cell has no walls"),
+        ("bulk_modulus = 2e9", "sealed_pores = \"drained\"", 7, "all pores of a cell are"),
+        ("bulk_modulus = 2e9", "update = \"every step\"", 7, "a smaller `remesh_interval`"),
+        ("2e9", "2e9\ndensity = 1e3", 7, "nothing has weight"),
+        ("bulk_modulus = 2e9\n", "", 13, "asks for `cell_stress` yy, for which the cell changes"),
+        ("2e9", "2e9\npressure_gradient = [1, 0]", 10, "three numbers"),
+    ] {
+        assert!(wet.contains(old), "{old}");
+        let error = Plan::from_toml(&wet.replacen(old, new, 1), None).unwrap_err();
+        assert!(error.to_string().contains(words), "{new}: {error}");
+        assert_eq!(error.line, Some(line), "{new}: {error}");
+    }
+    let rates = wet
+        .replace("bulk_modulus = 2e9\n", "")
+        .replace("cell_stress = { yy = 1e4, zz = 2e4 }", "")
+        .replace("{ xy = 2.0, ", "{ xx = 0.3, yy = -0.1, zz = -0.2, xy = 2.0, ");
+    Plan::from_toml(&rates, None).unwrap();
+    let error = Plan::from_toml(&rates.replace("zz = -0.2", "zz = -0.21"), None).unwrap_err();
+    assert!(error.to_string().contains("rates whose sum is 0"), "{error}");
+    let walls = r#"
+        [box]
+        min = [0, 0, 0]
+        max = [1, 1, 1]
+        [particles]
+        cloud = { count = 10, radius = 0.01 }
+        [fluid]
+        viscosity = 1.0
+        pressure_gradient = [1, 0, 0]
+        [[stage]]
+        kind = "permeability"
+        axis = "x""#;
+    let error = Plan::from_toml(walls, None).unwrap_err().to_string();
+    assert!(error.contains("but there are walls"), "{error}");
+}
+
+/// A cell that a step would flatten is stopped at the first step, with the bound; a servo that cannot
+/// reach its stress is told.
+#[test]
+fn what_a_cell_cannot_do_is_told() {
+    let fast = SCENE.replace("xy = 2.0", "xy = 1e9");
+    let mut simulation = Simulation::new(Plan::from_toml(&fast, None).unwrap()).unwrap();
+    let error = loop {
+        match simulation.advance() {
+            Ok(true) => {}
+            Ok(false) => panic!("no error"),
+            Err(error) => break error.to_string(),
+        }
+    };
+    assert!(simulation.step() > 0 && simulation.stage_steps() == 0);
+    assert!(error.contains("L_xy = 1e9 /s") && error.contains("at most 0.1"), "{error}");
+
+    // Twenty steps are too few for ten times the stress.
+    let missed = SCENE.replace("zz = 2e4", "zz = 1e5").replace("steps = 400", "steps = 20");
+    let mut simulation = Simulation::new(Plan::from_toml(&missed, None).unwrap()).unwrap();
+    while simulation.advance().unwrap() {}
+    let warnings: Vec<String> = simulation.warnings();
+    let told = |words: &str| warnings.iter().any(|w| w.contains(words));
+    assert!(told("the cell was asked for a stress zz of 1.0000e5 Pa and got"), "{warnings:?}");
+    let slow = SCENE
+        .replace("xy = 2.0, zx = -0.5", "xy = 0.02, zx = -0.005")
+        .replace("steps = 400", "steps = 2000");
+    let mut simulation = Simulation::new(Plan::from_toml(&slow, None).unwrap()).unwrap();
+    while simulation.advance().unwrap() {}
+    assert_eq!(simulation.warnings(), Vec::<String>::new());
 }
 
 /// The same with a state from the middle of each stage: the same bits, and the outcome tells what

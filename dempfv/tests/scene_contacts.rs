@@ -160,6 +160,11 @@ fn bonds_are_made_at_their_stage() {
     advance(&mut simulation, 1);
     let (made, broken) = count(&simulation);
     assert!(made > 50 && broken == 0, "{made} {broken}");
+    // A bond is made without force, which takes the load off contacts that had one.
+    let warnings = simulation.warnings();
+    let told =
+        |w: &String| w.contains(&format!("of {made} bonds were made on contacts that carried"));
+    assert!(warnings.iter().any(told), "{warnings:?}");
     advance(&mut simulation, 59);
     let (intact, broken) = count(&simulation);
     println!("{made} made, {broken} broken");
@@ -167,16 +172,32 @@ fn bonds_are_made_at_their_stage() {
     assert!(broken > 0 && intact > 0, "{intact} {broken}");
 }
 
-/// A servo does not reckon with dashpots, and `check` says so where they are strong.
+/// Local damping, which scenes have unless they say otherwise, takes from the rebound that a
+/// restitution asks for, and `check` says so.
 #[test]
-fn servos_on_dashpots_are_told() {
-    let warnings = |tables: &str, wall: &str| {
-        let text = scene(&format!("{tables}\n{DEM}")).replace("velocity = -0.3", wall);
-        let plan = Plan::from_toml(&text, None).unwrap();
+fn damping_beside_a_restitution_is_told() {
+    let warnings = |tables: &str| {
+        let plan = Plan::from_toml(&scene(tables), None).unwrap();
         Estimate::of(&plan, &Specimen::default()).unwrap().warnings()
     };
-    let told = warnings("[contacts]\nrestitution = 0.5", "stress = 1e3");
-    assert!(told.len() == 2 && told[0].starts_with("stage \"first\": a wall under a stress"));
-    assert!(warnings("[contacts]\nrestitution = 0.95", "stress = 1e3").is_empty());
-    assert!(warnings("[contacts]\nrestitution = 0.5", "velocity = -0.3").is_empty());
+    let told = warnings("[contacts]\nrestitution = 0.5\n[dem]\n");
+    assert!(told.len() == 2 && told[0].starts_with("stage \"first\": local damping acts beside"));
+    assert!(warnings("[contacts]\nrestitution = 0.5\n[dem]\ndamping = 0.0\n").is_empty());
+    assert!(warnings("[dem]\n").is_empty());
+}
+
+/// A shear stiffness that the law would not use is refused; a number of 300 digits is not written
+/// out.
+#[test]
+fn what_a_law_does_not_use_is_refused() {
+    let stiff = "[contacts]\nlaw = \"hertz-mindlin\"\n[dem]\n";
+    let text = scene(stiff).replace("[particles]", "[particles]\nstiffness_ratio = 0.3");
+    let error = Plan::from_toml(&text, None).unwrap_err();
+    assert!(
+        error.what.starts_with("`stiffness_ratio` in [particles] stands beside `law"),
+        "{error}"
+    );
+    let text = scene("[bonds]\ntension = 1e300\ncohesion = 1.0\n[dem]\n");
+    let error = Plan::from_toml(&text, None).unwrap_err();
+    assert!(error.what.contains("a tension of 1e300 Pa"), "{error}");
 }

@@ -303,6 +303,11 @@ energy = false
 probes = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
 "#;
 
+/// From the friction of the spheres to the end of `[dem]`.
+const MIDDLE: &str = "stiffness_ratio = 0.3\nfriction_angle = 23.7\n[walls]\nyoung = 1.1e7\nfriction_angle = 11.3\n\
+                      max_velocity = 0.7\n[dem]\ndt = 1.3e-5\nsafety = 0.55\ndamping = 0.15\n\
+                      gravity = [0.1, -9.81, 0.0]\nrotation = false\n";
+
 /// What replaces what in `EVERY_KEY`.
 const OTHER_WAYS: &[(&str, &str)] = &[
     ("clamp = \"relative\"\n", "darcy_permeability = 1.3e-9\n"),
@@ -312,8 +317,8 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ("radius = 0.0123, spread = 0.31", "sizes = [[0.01, 0.1], [0.02, 0.2], [0.013, 0.7]]"),
     ("dt = 1.3e-5", "dt = \"auto\""),
     (
-        "rotation = false\n",
-        "[contacts]\nlaw = \"hertz-mindlin\"\npoisson_ratio = 0.21\nwall_poisson_ratio = 0.31\n\
+        MIDDLE,
+        "[dem]\ngravity = [0.1, -9.81, 0.0]\n[contacts]\nlaw = \"hertz-mindlin\"\npoisson_ratio = 0.21\nwall_poisson_ratio = 0.31\n\
          restitution = 0.7\nwall_restitution = 0.6\nrolling_friction = 0.03\n\
          rolling_stiffness_ratio = 0.4\nrolling_damping_ratio = 0.2\ntwisting_friction = 0.02\n\
          twisting_stiffness_ratio = 0.35\ntwisting_damping_ratio = 0.0\nadhesion = \"jkr\"\n\
@@ -321,8 +326,20 @@ const OTHER_WAYS: &[(&str, &str)] = &[
     ),
     ("[fluid]\n", "[contacts]\nadhesion = \"constant\"\npull_off_force = 1e-3\n[fluid]\n"),
     (
-        "[fluid]\n",
-        "[contacts]\nlaw = \"hertz-mindlin\"\nadhesion = \"dmt\"\nwork_of_adhesion = 1\n[fluid]\n",
+        MIDDLE,
+        "[dem]\ngravity = [0.1, -9.81, 0.0]\n[contacts]\nlaw = \"hertz-mindlin\"\nadhesion = \"dmt\"\nwork_of_adhesion = 1\n",
+    ),
+    (
+        MIDDLE,
+        "clump = [[0.5, 0.0, 0.1, 0.4], [-0.5, 0.0, 0.0, 0.45]]\n\
+         [[material]]\nname = \"gravel\"\nradii = [0.02, 0.03]\ndensity = 2700\nyoung = 4e7\n\
+         stiffness_ratio = 0.2\nfriction_angle = 35\n\
+         [[material]]\nname = \"clay\"\nnumbers = [3, 7]\n\
+         [[pair]]\nbetween = [\"gravel\", \"particles\"]\nyoung = 5e6\nstiffness_ratio = 0.1\n\
+         friction_angle = 17\n\
+         [dem]\ngravity = [0.1, -9.81, 0.0]\n[[motion]]\nnumbers = [0, 9]\nspin = [0, { mean = 1, amplitude = 2, frequency = 3 }, 0]\n\
+         [[motion]]\ncenter = [0.5, 0.5, 0.5]\nradius = 0.3\nvelocity = [0.1, 0, 0]\n\
+         about = [0.1, 0.2, 0.3]\nfrom = \"press\"\n",
     ),
     (
         "[fluid]\n",

@@ -9,6 +9,7 @@
 
 mod bench;
 mod compare;
+mod effect_costs;
 mod error;
 mod every_step;
 pub mod limits;
@@ -28,6 +29,8 @@ pub enum Command {
     Paper(paper::Args),
     /// What it costs and gains when the network follows the spheres at every step
     EveryStep(every_step::Args),
+    /// What each effect adds to the time of a step
+    EffectCosts(effect_costs::Args),
 }
 
 /// How a measurement came out: for people by [`Display`](fmt::Display), for programs by
@@ -42,6 +45,7 @@ enum Kind {
     Compare(compare::Report),
     Paper(paper::Report),
     EveryStep(every_step::Report),
+    EffectCosts(effect_costs::Report),
 }
 
 /// Measures what is asked for, with so many threads where the measurement does not choose
@@ -54,6 +58,7 @@ pub fn run(command: &Command, threads: usize) -> Result<Report> {
         Command::Compare(args) => Kind::Compare(compare::run(args)?),
         Command::Paper(args) => Kind::Paper(paper::run(args, threads)?),
         Command::EveryStep(args) => Kind::EveryStep(every_step::run(args)?),
+        Command::EffectCosts(args) => Kind::EffectCosts(effect_costs::run(args)?),
     }))
 }
 
@@ -65,7 +70,7 @@ impl Report {
     pub fn judge(&self) -> Result<()> {
         match &self.0 {
             Kind::Compare(report) => report.judge(),
-            Kind::Paper(_) | Kind::EveryStep(_) => Ok(()),
+            Kind::Paper(_) | Kind::EveryStep(_) | Kind::EffectCosts(_) => Ok(()),
         }
     }
 }
@@ -76,6 +81,7 @@ impl fmt::Display for Report {
             Kind::Compare(report) => report.fmt(f),
             Kind::Paper(report) => report.fmt(f),
             Kind::EveryStep(report) => report.fmt(f),
+            Kind::EffectCosts(report) => report.fmt(f),
         }
     }
 }

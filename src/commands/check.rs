@@ -168,8 +168,12 @@ fn count_pores(
     let (Some(fluid), Some(pressure)) = (&plan.fluid, pressures(plan)) else { return Ok(()) };
     let boundary = Boundary { pressure: pressure.into(), ..fluid.fluid.boundary };
     let fluid_in_pores = Fluid { boundary, ..fluid.fluid };
-    let (network, derivatives) =
-        Network::new(&packing.position, &packing.radius, bounds, &fluid_in_pores)?;
+    let (position, radius) = (&packing.position, &packing.radius);
+    let (network, derivatives) = match packing.cell.filter(|_| plan.cell.is_some()) {
+        None => Network::new(position, radius, bounds, &fluid_in_pores)?,
+        Some(cell) => Network::in_cell(position, radius, &cell, &fluid.fluid)?,
+    };
+    let boundary = if network.periodic().is_some() { fluid.fluid.boundary } else { boundary };
     let operators = Operators::new(&network, derivatives, boundary)?;
     specimen.pores = Some(network.pores());
     specimen.unknowns = Some(operators.unknowns());
@@ -254,7 +258,7 @@ impl fmt::Display for Report {
             line(f, "box", &format!("{} × {} × {}", size.x, size.y, size.z))?;
         }
         if let Some(fluid) = &plan.fluid {
-            line(f, "fluid", &describe::fluid(fluid, &plan.stages))?;
+            line(f, "fluid", &describe::fluid(fluid, &plan.stages, plan.cell.is_some()))?;
         }
         self.write_mechanics(f)?;
         self.write_cost(f)?;

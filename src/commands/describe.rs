@@ -130,8 +130,8 @@ pub fn source(source: &ParticleSource) -> String {
 }
 
 /// The fluid; its boundary conditions where some stage has them, and its remeshing where one is
-/// coupled.
-pub fn fluid(fluid: &Fluid, stages: &[Stage]) -> String {
+/// coupled; in a periodic cell or between walls.
+pub fn fluid(fluid: &Fluid, stages: &[Stage], in_cell: bool) -> String {
     let any = |holds: fn(&StageKind) -> bool| stages.iter().any(|stage| holds(&stage.kind));
     let viscosity = format!("μ = {}", si(fluid.fluid.viscosity, "Pa·s"));
     if !any(StageKind::has_conditions) {
@@ -143,9 +143,16 @@ pub fn fluid(fluid: &Fluid, stages: &[Stage]) -> String {
     };
     let pressure = |(wall, p)| format!("{}{} on {wall}", si(p, "Pa"), profile(wall));
     let pressures: Vec<String> = fluid.pressure_walls().map(pressure).collect();
-    let pressures = format!("{viscosity}; {}, no flow through other walls", pressures.join(", "));
+    let driven = match fluid.effects.pressure_gradient {
+        Some(gradient) => {
+            let [x, y, z] = <[f64; 3]>::from(gradient).map(three_digits);
+            format!("mean gradient {x}, {y}, {z} Pa/m")
+        }
+        None if in_cell => "no mean gradient".to_owned(),
+        None => format!("{}, no flow through other walls", pressures.join(", ")),
+    };
     if !any(StageKind::is_coupled) {
-        return pressures;
+        return format!("{viscosity}; {driven}");
     }
     let how = fluid.acceleration;
     let interval = match fluid.remesh.interval {
@@ -157,7 +164,7 @@ pub fn fluid(fluid: &Fluid, stages: &[Stage]) -> String {
         .strain
         .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
     let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
-    format!("{pressures}; remesh {}{}", remesh.join(" or "), renewal(&how))
+    format!("{viscosity}; {driven}; remesh {}{}", remesh.join(" or "), renewal(&how))
 }
 
 /// From which positions networks are built, and by whom, unless plainly.

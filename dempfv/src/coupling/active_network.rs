@@ -1,5 +1,6 @@
 //! A network in use.
 
+use super::edges::EdgeForces;
 use super::error::Result;
 use super::fluid_effects::FluidEffects;
 use super::fluid_state::{FluidState, Followed, Snapshot};
@@ -14,6 +15,8 @@ pub(super) struct SolidMotion<'a> {
     pub velocity: &'a [Vec3],
     /// Velocity of each wall along its axis (m/s).
     pub walls: [f64; 6],
+    /// By how much of its volume a periodic cell grows in a second (1/s).
+    pub dilation: f64,
     /// Which walls a servo moves.
     pub servo: [bool; 6],
     /// The time step (s).
@@ -47,10 +50,20 @@ const EXHAUSTING_APPLICATIONS: u32 = 24;
 /// A time step so many times as long or as short as the one that the factor is for, too.
 const EXHAUSTING_STEP_RATIO: f64 = 2.0;
 
+/// How pores grow between walls, or in a periodic cell.
+fn evaluate_rates(flow: &mut Flow, motion: &SolidMotion) -> Result<()> {
+    Ok(match flow.network().periodic() {
+        None => flow.update_volume_rate(motion.velocity, &motion.walls),
+        Some(_) => flow.update_volume_rate_in_cell(motion.velocity, motion.dilation),
+    }?)
+}
+
 /// A network, and what a checkpoint must know of it.
 pub(super) struct ActiveNetwork {
     pub flow: Flow,
     pub state: FluidState,
+    /// The forces between neighbours, where there are any.
+    pub edges: Option<EdgeForces>,
     /// How the last solve went, if it was iterated.
     pub iterations: Option<Iterations>,
     /// The pore of each probe, once it was looked for; [`NONE`] outside the box.
@@ -58,8 +71,22 @@ pub(super) struct ActiveNetwork {
 }
 
 impl ActiveNetwork {
-    pub fn new(flow: Flow, state: FluidState) -> ActiveNetwork {
-        ActiveNetwork { flow, state, iterations: None, probed: vec![] }
+    pub fn new(flow: Flow, edges: Option<EdgeForces>, state: FluidState) -> ActiveNetwork {
+        ActiveNetwork { flow, edges, state, iterations: None, probed: vec![] }
+    }
+
+    /// Force of the fluid on each sphere in the last step (N), in storage order.
+    pub fn force(&self) -> &[Vec3] {
+        self.edges.as_ref().map_or(self.flow.force(), EdgeForces::total)
+    }
+
+    /// Force of the fluid on each wall in the last step (N).
+    pub fn wall_force(&self) -> [Vec3; 6] {
+        let mut force = *self.flow.wall_force();
+        if let Some(edges) = &self.edges {
+            force.iter_mut().zip(edges.wall_force()).for_each(|(sum, edges)| *sum += edges);
+        }
+        force
     }
 
     /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
@@ -75,9 +102,7 @@ impl ActiveNetwork {
         }
         let ActiveNetwork { flow, state, iterations, .. } = self;
         if motion.squeezes {
-            phases.time(Phase::VolumeRates, || {
-                flow.update_volume_rate(motion.velocity, &motion.walls)
-            })?;
+            phases.time(Phase::VolumeRates, || evaluate_rates(flow, motion))?;
         }
         if let Some((effects, time)) = motion.conditions {
             effects.impose(flow, time)?;
@@ -115,9 +140,7 @@ impl ActiveNetwork {
         let ActiveNetwork { flow, state, .. } = self;
         let rested = flow.rest();
         if motion.moves && !state.volume_change.is_empty() {
-            phases.time(Phase::VolumeRates, || {
-                flow.update_volume_rate(motion.velocity, &motion.walls)
-            })?;
+            phases.time(Phase::VolumeRates, || evaluate_rates(flow, motion))?;
             state.book_volumes(flow, motion.dt);
             flow.rest();
         }
@@ -164,7 +187,7 @@ impl ActiveNetwork {
     /// # Errors
     /// When the state has another number of spheres.
     pub fn resume(&mut self) -> Result<()> {
-        let ActiveNetwork { flow, state, .. } = self;
+        let ActiveNetwork { flow, edges, state, .. } = self;
         if let Some(Followed { position, bounds }) = &state.followed {
             flow.update_geometry(position, bounds)?;
         }
@@ -175,6 +198,11 @@ impl ActiveNetwork {
         flow.restore_taken(&state.taken);
         if flow.solved_by() != state.solved_by.as_deref() {
             flow.forget_gain();
+        }
+        match (edges, state.edges.take()) {
+            (Some(edges), Some(state)) => edges.resume(&state, flow.force())?,
+            (Some(edges), None) => edges.join(flow.force()),
+            (None, _) => {}
         }
         Ok(())
     }
@@ -203,17 +231,23 @@ impl ActiveNetwork {
     /// outlives a step, so that a force which grows goes on growing by its share; where nothing
     /// is stored, the force of the moment.
     pub fn expected_wall_force(&self) -> [Vec3; 6] {
-        let now = *self.flow.wall_force();
-        let Some(before) = self.state.wall_force_before else { return now };
+        let (all, now) = (self.wall_force(), self.flow.wall_force());
+        let Some(before) = self.state.wall_force_before else { return all };
         let share = &self.state.persistence.0;
-        std::array::from_fn(|w| now[w] + share[w] * (now[w] - before[w]))
+        std::array::from_fn(|w| all[w] + share[w] * (now[w] - before[w]))
     }
 
     /// What the fluid takes off the outward force on a wall (first index) per outward velocity
     /// of another (N·s/m); 0 where nobody asked.
     pub fn resistance(&self) -> PerWall<PerWall<f64>> {
         let column = self.state.resistance.map(|column| column.unwrap_or_default());
-        PerWall::from_fn(|a| PerWall::from_fn(|b| column[b][a]))
+        let mut all = PerWall::from_fn(|a| PerWall::from_fn(|b| column[b][a]));
+        if let Some(edges) = &self.edges {
+            for (wall, films) in edges.wall_resistance().iter() {
+                all[wall][wall] += films;
+            }
+        }
+        all
     }
 
     /// What a checkpoint needs, but for what is on its way.
@@ -224,6 +258,7 @@ impl ActiveNetwork {
             taken: self.flow.taken().to_vec(),
             time_step: self.flow.time_step(),
             solved_by: self.flow.solved_by().map(str::to_owned),
+            edges: self.edges.as_ref().map(EdgeForces::state),
             ..self.state.clone()
         }
     }

@@ -2,7 +2,7 @@
 
 use super::coupled::Coupled;
 use super::error::Result;
-use crate::dem::{CellControls, Dem, WallControl};
+use crate::dem::{CellControls, Dem, Material, MaterialPair, Motion, WallControl};
 use crate::{Vec3, WallId};
 
 /// The mechanics, as far as they may be changed between two steps while a
@@ -59,6 +59,31 @@ impl Controls<'_> {
         Ok(self.coupled.dem.set_cell_controls(controls)?)
     }
 
+    /// Gives spheres a motion from now on, which is the model time (s): see [`Dem::prescribe`].
+    ///
+    /// # Errors
+    /// As [`Dem::prescribe`] and [`Dem::set_time`].
+    pub fn prescribe(&mut self, numbers: &[u32], motion: Motion, time: f64) -> Result<()> {
+        self.coupled.dem.prescribe(numbers, motion)?;
+        Ok(self.coupled.dem.set_time(time)?)
+    }
+
+    /// Lets spheres move freely again: see [`Dem::release`].
+    ///
+    /// # Errors
+    /// As [`Dem::release`].
+    pub fn release(&mut self, numbers: &[u32]) -> Result<()> {
+        Ok(self.coupled.dem.release(numbers)?)
+    }
+
+    /// Gives a clump another motion: see [`Dem::set_clump_motion`].
+    ///
+    /// # Errors
+    /// As [`Dem::set_clump_motion`].
+    pub fn set_clump_motion(&mut self, clump: usize, velocity: Vec3, spin: Vec3) -> Result<()> {
+        Ok(self.coupled.dem.set_clump_motion(clump, velocity, spin)?)
+    }
+
     /// Bonds the spheres: see [`Dem::bond`]. An automatic time step is looked at anew.
     ///
     /// # Errors
@@ -76,6 +101,16 @@ impl Controls<'_> {
     pub fn set_friction(&mut self, angle: f64) -> Result<()> {
         self.coupled.auto_time_step.refresh();
         Ok(self.coupled.dem.set_friction(angle)?)
+    }
+
+    /// Changes what the spheres are made of: see [`Dem::set_materials`]. An automatic time step is looked
+    /// at anew.
+    ///
+    /// # Errors
+    /// As [`Dem::set_materials`].
+    pub fn set_materials(&mut self, materials: &[Material], pairs: &[MaterialPair]) -> Result<()> {
+        self.coupled.auto_time_step.refresh();
+        Ok(self.coupled.dem.set_materials(materials, pairs)?)
     }
 
     /// Changes the local damping (1). An automatic time step is looked at anew.

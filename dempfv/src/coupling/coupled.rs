@@ -11,13 +11,13 @@ use super::fluid_state::FluidState;
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
 use super::network_source::RemeshContext;
-use super::options::{Acceleration, RemeshMode};
+use super::options::{Acceleration, RemeshMode, Update};
 use super::phases::{Phase, Phases};
 use super::remesher::Remesher;
 use super::saturation::Saturation;
 use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
-use crate::dem::{Dem, DemError};
+use crate::dem::{Dem, DemError, FluidLoads};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, ViscousMode};
 use crate::{PerWall, Vec3};
@@ -194,8 +194,12 @@ impl Coupled {
         time_step: f64,
     ) -> Result<()> {
         if self.dem.cell().is_some() {
-            let remedy = "there is no flow across its faces yet; run it dry, or put walls around";
-            return Err(DemError::InCell { what: "a fluid", remedy }.into());
+            self.effects.check_in_cell()?;
+            if self.remesher.acceleration().update == Update::EveryStep {
+                let what = "a network that follows the spheres in each step";
+                let remedy = "its spheres are put back into the cell; renew it more often";
+                return Err(DemError::InCell { what, remedy }.into());
+            }
         }
         if let Some(strain) = saturation.remesh.strain {
             positive("remesh.strain", strain)?;
@@ -214,6 +218,7 @@ impl Coupled {
         let Coupled { dem, phases, .. } = self;
         phases.time(Phase::Contacts, || dem.compute_contacts())?;
         dem.set_wall_resistance(PerWall::default())?;
+        dem.set_time(self.time)?;
         phases.time(Phase::Integration, || dem.integrate(dt, None, None))?;
         self.steps += 1;
         self.time += dt;
@@ -222,14 +227,20 @@ impl Coupled {
 
     /// Moves walls and spheres under both forces.
     fn integrate(&mut self, dt: f64) -> Result<()> {
+        self.act_on_edges(dt);
         self.book_solve();
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
         dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default())?;
-        let (force, wall_force) =
-            network.map(|network| (network.flow.force(), network.expected_wall_force())).unzip();
-        let wall_force = wall_force.map(PerWall::from);
-        phases.time(Phase::Integration, || dem.integrate(dt, force, wall_force.as_ref()))?;
+        let on_walls = network.map(|network| PerWall::from(network.expected_wall_force()));
+        let loads = FluidLoads {
+            force: network.map(ActiveNetwork::force),
+            torque: network.and_then(|network| network.edges.as_ref()?.torque()),
+            on_walls: on_walls.as_ref(),
+        };
+        dem.set_time(self.time)?;
+        phases.time(Phase::Integration, || dem.integrate_under(dt, loads))?;
+        self.book_edges(dt);
         Ok(())
     }
 
@@ -269,13 +280,15 @@ impl Coupled {
     /// What bounds the time step, as far as it is known, with the contacts of
     /// the last step.
     pub fn time_step_bounds(&mut self) -> TimeStepBounds {
-        // What the fluid does to the spheres does not follow from their motion where this squeezes
-        // none of it.
+        // What the flow does to the spheres does not follow from their motion where this squeezes
+        // none of it; what is between neighbours does.
         let drags = self.saturation.filter(|_| !self.effects.one_way);
         let viscosity = drags.map(|s| s.fluid.viscosity);
-        let network = self.remesher.current.as_ref().filter(|_| drags.is_some());
-        let fastest = network.map(|network| &network.state.fastest);
-        viscous_bound::bounds(&mut self.dem, viscosity, fastest)
+        let network = self.remesher.current.as_mut();
+        let (fastest, edges) =
+            network.map(|network| (&network.state.fastest, network.edges.as_mut())).unzip();
+        let fastest = fastest.filter(|_| drags.is_some());
+        viscous_bound::bounds(&mut self.dem, viscosity, fastest, edges.flatten())
     }
 
     /// Brings the contact forces up to the current positions; the next step

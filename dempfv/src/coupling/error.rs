@@ -1,6 +1,7 @@
 //! What can go wrong in a step of spheres and fluid.
 
 use crate::dem::DemError;
+use crate::excerpt::Brief;
 use crate::pfv::PfvError;
 
 /// A coupled step, or a network for it, has failed.
@@ -14,7 +15,7 @@ pub enum CouplingError {
     #[error(transparent)]
     Pfv(#[from] PfvError),
     /// A parameter has a value that makes no sense. Nothing has changed.
-    #[error("{name} = {value}; it must be {expected}")]
+    #[error("{name} = {}; it must be {expected}", Brief(*value))]
     Parameter {
         /// Name of the parameter.
         name: &'static str,

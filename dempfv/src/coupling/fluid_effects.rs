@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeEffects;
 use super::error::Result;
+use crate::dem::DemError;
 use crate::pfv::terms::{Compressibility, PoreSource, StepTerms};
 use crate::pfv::{ConductanceRules, Flow, ImposedPressure, NetworkConditions, PressureProfile};
-use crate::{Effect, EffectKey, Family, PerWall, TimeFunction};
+use crate::{Effect, EffectKey, Family, PerWall, TimeFunction, Vec3};
 
 /// What conditions that change with time say of themselves.
 pub const IN_TIME: Effect = Effect {
@@ -69,12 +71,37 @@ pub struct FluidEffects {
     pub conductances: ConductanceRules,
     /// The flow pushes spheres and walls, but their motion squeezes no fluid.
     pub one_way: bool,
+    /// Mean pressure gradient through a periodic cell (Pa/m).
+    pub pressure_gradient: Option<Vec3>,
+    /// Forces between neighbours.
+    pub edges: EdgeEffects,
 }
 
 impl FluidEffects {
     /// Whether pores store fluid, so that the matrix of a network goes with the time step.
     pub fn store(&self) -> bool {
         self.bulk_modulus.is_some()
+    }
+
+    /// Refuses what a periodic cell has no place for.
+    pub(super) fn check_in_cell(&self) -> Result<()> {
+        let effects = [
+            (!self.imposed.is_empty(), "a pressure imposed on pores"),
+            (!self.sources.is_empty(), "a source of fluid"),
+            (self.density.is_some(), "a fluid with weight"),
+            (self.wall_pressure.values().any(Option::is_some), "a pressure of a wall"),
+            (self.wall_profile.values().any(Option::is_some), "a pressure along a wall"),
+        ];
+        if let Some((_, what)) = effects.into_iter().find(|(given, _)| *given) {
+            let remedy = "a mean pressure gradient drives the flow there";
+            return Err(DemError::InCell { what, remedy }.into());
+        }
+        if self.conductances != ConductanceRules::default() {
+            let what = "a conductance that is not what the geometry says";
+            let remedy = "leave it out, or put walls around";
+            return Err(DemError::InCell { what, remedy }.into());
+        }
+        Ok(())
     }
 
     /// Whether a condition changes with time.

@@ -3,10 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeState;
 use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
 use crate::pfv::{Extrapolation, Flow};
-use crate::{Aabb, PerWall, Vec3};
+use crate::{Aabb, Cell, PerWall, Vec3};
 
 /// The positions that a network is built from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,6 +16,8 @@ pub(super) struct Snapshot {
     pub position: Vec<Vec3>,
     /// The box (m).
     pub bounds: Aabb,
+    /// The periodic cell in its place.
+    pub cell: Option<Cell>,
     /// Steps done before.
     pub step: u64,
     /// Length of the steps that its matrix is for (s); of no account where no pore stores fluid.
@@ -23,7 +26,9 @@ pub(super) struct Snapshot {
 
 impl Snapshot {
     pub fn of(dem: &Dem, step: u64, time_step: f64) -> Snapshot {
-        Snapshot { position: dem.storage().position.clone(), bounds: dem.box_(), step, time_step }
+        let (position, bounds) = (dem.storage().position.clone(), dem.box_());
+        let cell = dem.cell().map(|cell| *cell.cell());
+        Snapshot { position, bounds, cell, step, time_step }
     }
 }
 
@@ -61,6 +66,8 @@ pub(super) struct FluidState {
     pub solved_by: Option<String>,
     /// What the next network is being built from.
     pub pending: Option<Snapshot>,
+    /// The forces between neighbours, where there are any.
+    pub edges: Option<EdgeState>,
     /// What bounds the automatic time step, as far as it is known.
     pub fastest: FastestMode,
 }

@@ -103,6 +103,7 @@ fn motion<'a>(
     SolidMotion {
         velocity,
         walls: walls.map(|w| w.velocity).0,
+        dilation: dem.cell().map_or(0.0, |cell| cell.velocity_gradient().trace()),
         servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
         conditions: effects.change_in_time().then_some((effects, end)),

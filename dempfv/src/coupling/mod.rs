@@ -16,6 +16,8 @@ mod background;
 mod controls;
 mod counts;
 mod coupled;
+mod edge_step;
+mod edges;
 mod error;
 mod fluid_effects;
 mod fluid_state;
@@ -36,6 +38,7 @@ pub use active_network::PRESSURE_ERROR;
 pub use controls::Controls;
 pub use counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 pub use coupled::Coupled;
+pub use edges::EdgeEffects;
 pub use error::CouplingError;
 pub use fluid_effects::FluidEffects;
 pub use gpu_use::GpuUse;
@@ -50,6 +53,9 @@ pub use time_step::{TimeStepBounds, TimeStepRule, viscous_time_step};
 /// What the effects of this room say of themselves.
 pub mod effects {
     pub use crate::coupling::background::EFFECT as BACKGROUND_REMESH;
+    pub use crate::coupling::edges::{
+        NORMAL_LUBRICATION, PUMP_TORQUE, SHEAR_LUBRICATION, TWIST_TORQUE, VISCOUS_SHEAR,
+    };
     pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, IN_TIME, ONE_WAY};
     pub use crate::coupling::options::{EVERY_STEP, PARALLEL_TASKS};
 }

@@ -7,7 +7,7 @@ use super::error::Result;
 use super::fluid_effects::FluidEffects;
 use crate::pfv::{Assembled, Flow, Fluid, ReusableAnalysis};
 use crate::solver::{Backend, Solver, SolverKind};
-use crate::{Aabb, Vec3};
+use crate::{Aabb, Cell, Vec3};
 
 /// The positions that a network is to be built from, and how.
 pub struct NetworkRequest {
@@ -17,6 +17,8 @@ pub struct NetworkRequest {
     pub radius: Vec<f64>,
     /// The box (m).
     pub bounds: Aabb,
+    /// The periodic cell in the place of the box; `None` between walls.
+    pub cell: Option<Cell>,
     /// The fluid and its boundary conditions.
     pub fluid: Fluid,
     /// What else it does.
@@ -72,20 +74,21 @@ impl NetworkBuilder for BackendBuilder {
 
 fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Result<Option<Flow>> {
     let stop = || cancelled.load(Ordering::Relaxed);
-    let NetworkRequest { position, radius, bounds, fluid, effects, time_step, reusable, .. } =
-        request;
+    let NetworkRequest { position, radius, bounds, cell, fluid, effects, time_step, .. } = request;
     if stop() {
         return Ok(None);
     }
     let (terms, conditions) = (effects.step_terms(time_step)?, effects.conditions());
     let FluidEffects { sources, .. } = effects;
-    let assembled =
-        Assembled::with_conditions(&position, &radius, bounds, &fluid, conditions, terms)?;
+    let assembled = match cell {
+        None => Assembled::with_conditions(&position, &radius, bounds, &fluid, conditions, terms)?,
+        Some(cell) => Assembled::in_cell(&position, &radius, &cell, &fluid, terms)?,
+    };
     drop(radius);
     if stop() {
         return Ok(None);
     }
-    let analyzed = assembled.analyze(solver, reusable)?;
+    let analyzed = assembled.analyze(solver, request.reusable)?;
     if stop() {
         return Ok(None);
     }

@@ -67,6 +67,7 @@ impl NetworkSource {
             position: snapshot.position.clone(),
             radius: context.dem.storage().radius.clone(),
             bounds: snapshot.bounds,
+            cell: snapshot.cell,
             fluid: context.saturation.fluid,
             effects: context.effects.clone(),
             time_step: snapshot.time_step,

@@ -1,6 +1,8 @@
 //! What can be seen of a simulation between two steps.
 
+use super::active_network::ActiveNetwork;
 use super::coupled::Coupled;
+use crate::pfv::Flow;
 use crate::{Axis, Tensor, Vec3, WallId};
 
 /// Scalars of the current state, for histories and progress.
@@ -46,8 +48,11 @@ pub struct CellObservation {
     pub angles: [f64; 3],
     /// ∫ L dt since the cell was made (1), positive in extension.
     pub strain: Tensor,
-    /// Stress by contacts and motion (Pa, positive in compression).
+    /// Stress by contacts and motion (Pa, positive in compression); that of the fluid is beside it.
     pub stress: Tensor,
+    /// Mean velocity of the fluid over the whole area, relative to the spheres at rest (m/s); zero
+    /// where the pores are empty.
+    pub fluid_velocity: Vec3,
 }
 
 impl Coupled {
@@ -58,16 +63,22 @@ impl Coupled {
             lengths: cell.cell().lengths(),
             angles: cell.cell().angles(),
             strain: *cell.strain(),
-            stress: self.dem.stress_in_cell() + self.dem.kinetic_stress(),
+            stress: self.cell_stress()?,
+            fluid_velocity: self.storage_flow().and_then(Flow::mean_velocity).unwrap_or_default(),
         })
+    }
+
+    /// Stress by contacts and motion in a periodic cell (Pa); `None` between walls.
+    pub(crate) fn cell_stress(&self) -> Option<Tensor> {
+        self.dem.cell().map(|_| self.dem.stress_in_cell() + self.dem.kinetic_stress())
     }
 
     /// Normal stress along an axis (Pa): of its two walls, contacts and fluid together, or of the
     /// periodic cell.
     pub fn axis_stress(&self, axis: Axis) -> f64 {
         let k = axis.index();
-        match self.observe_cell() {
-            Some(cell) => cell.stress[(k, k)],
+        match self.cell_stress() {
+            Some(stress) => stress[(k, k)],
             None => {
                 let [lower, upper] = [2 * k, 2 * k + 1].map(|w| WallId::ALL[w]);
                 0.5 * (self.wall_stress(lower) + self.wall_stress(upper))
@@ -80,7 +91,8 @@ impl Coupled {
         let dem = &self.dem;
         let bounds = dem.box_();
         let flow = self.storage_flow();
-        let fluid_force = flow.map(|f| *f.wall_force()).unwrap_or_default();
+        let network = self.remesher.current.as_ref();
+        let fluid_force = network.map(ActiveNetwork::wall_force).unwrap_or_default();
         let stress = |force: Vec3, w: WallId| -force.dot(&w.inward_normal()) / bounds.wall_area(w);
         let contact_force = dem.wall_force();
         let largest_pressure =
@@ -106,7 +118,7 @@ impl Coupled {
     /// Mean resultant force on the spheres, the fluid's included, over the
     /// mean contact force (1).
     pub fn unbalanced_force(&self) -> f64 {
-        self.dem.force_ratio(self.storage_flow().map(|f| f.force()))
+        self.dem.force_ratio(self.storage_fluid_force())
     }
 
     /// Mean pore pressure by volume (Pa); 0 where the pores are empty.
@@ -121,7 +133,8 @@ impl Coupled {
 
     /// Stress on a wall by contacts and fluid together (Pa, compression positive).
     pub fn wall_stress(&self, wall: WallId) -> f64 {
-        let fluid = self.storage_flow().map_or(Vec3::zeros(), |f| f.wall_force()[wall.index()]);
+        let network = self.remesher.current.as_ref();
+        let fluid = network.map_or(Vec3::zeros(), |network| network.wall_force()[wall.index()]);
         let force = self.dem.wall_force()[wall] + fluid;
         -force.dot(&wall.inward_normal()) / self.dem.box_().wall_area(wall)
     }
@@ -129,8 +142,8 @@ impl Coupled {
     /// The fluid's force on each sphere in the last step (N), by the user's
     /// numbers; zero where the pores are empty.
     pub fn fluid_force(&self) -> Vec<Vec3> {
-        match self.storage_flow() {
-            Some(flow) => self.dem.numbered(flow.force()),
+        match self.storage_fluid_force() {
+            Some(force) => self.dem.numbered(force),
             None => vec![Vec3::zeros(); self.dem.len()],
         }
     }

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use super::active_network::{ActiveNetwork, PRESSURE_ERROR};
 use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
+use super::edges::{EdgeForces, Films};
 use super::error::{CouplingError, Result};
 use super::fluid_state::{FluidState, Snapshot};
 use super::gpu_use::GpuUse;
@@ -44,6 +45,7 @@ pub(super) struct Remesher {
 /// What is left of a network that made room.
 struct Retired {
     pressures: TransferSource,
+    films: Option<Films>,
     state: FluidState,
 }
 
@@ -116,12 +118,17 @@ impl Remesher {
     }
 
     /// Puts a network into use.
-    fn put_to_use(&mut self, mut flow: Flow, state: FluidState) -> Result<()> {
+    fn put_to_use(
+        &mut self,
+        mut flow: Flow,
+        edges: Option<EdgeForces>,
+        state: FluidState,
+    ) -> Result<()> {
         let follows = self.acceleration.update == Update::EveryStep;
         if let Some(tolerance) = self.tolerance.or(follows.then_some(PRESSURE_ERROR)) {
             flow.set_tolerance(tolerance)?;
         }
-        self.current = Some(ActiveNetwork::new(flow, state));
+        self.current = Some(ActiveNetwork::new(flow, edges, state));
         Ok(())
     }
 
@@ -314,8 +321,9 @@ impl Remesher {
     fn make_room(&mut self) {
         if let Some(network) = self.current.take() {
             let state = network.saved();
+            let films = network.edges.map(EdgeForces::retire);
             let (pressures, reusable) = network.flow.retire();
-            self.retired = Some(Retired { pressures, state });
+            self.retired = Some(Retired { pressures, films, state });
             self.source.keep(reusable);
         }
     }
@@ -350,11 +358,15 @@ impl Remesher {
             self.source.keep(None);
         }
         context.effects.impose(&mut flow, context.time)?;
-        weigh(&mut flow, &context)?;
+        load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
-        if let Some(Retired { pressures, state }) = self.retired.take() {
+        let mut edges = edges_of(&flow, &snapshot, &context)?;
+        if let Some(Retired { pressures, films, state }) = self.retired.take() {
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
+            if let (Some(edges), Some(films)) = (&mut edges, &films) {
+                edges.take_over(films);
+            }
             self.counts.replaced(context.step.saturating_sub(state.snapshot.step));
         }
         let volume_change = match context.saturation.remesh.strain {
@@ -377,9 +389,13 @@ impl Remesher {
             extrapolation: Extrapolation::default(),
             solved_by: None,
             pending: None,
+            edges: None,
             fastest,
         };
-        self.put_to_use(flow, state)?;
+        if let Some(edges) = &mut edges {
+            edges.join(flow.force());
+        }
+        self.put_to_use(flow, edges, state)?;
         self.source.auto_interval.swapped();
         phases.add(Phase::Swap, start.elapsed());
         Ok(())
@@ -451,10 +467,11 @@ impl Remesher {
             // From here on the matrix must be the one that was factored.
             state.followed = None;
         }
-        self.put_to_use(flow, state)?;
+        let edges = edges_of(&flow, &state.snapshot, &context)?;
+        self.put_to_use(flow, edges, state)?;
         if let Some(network) = &mut self.current {
             context.effects.impose(&mut network.flow, context.time)?;
-            weigh(&mut network.flow, &context)?;
+            load(&mut network.flow, &context)?;
             network.resume()?;
         }
         if self.acceleration.remesh != RemeshMode::AtOnce {
@@ -465,17 +482,37 @@ impl Remesher {
     }
 }
 
-/// Gives a fluid of some density its weight under the gravity of the spheres.
-fn weigh(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
+/// Gives a fluid of some density its weight under the gravity of the spheres, and what flows through
+/// a periodic cell its mean gradient.
+fn load(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
     match (context.effects.density, context.dem.options().gravity) {
-        (Some(density), Some(gravity)) => Ok(flow.set_weight(density * gravity)?),
-        _ => Ok(()),
+        (Some(density), Some(gravity)) => flow.set_weight(density * gravity)?,
+        _ => {}
     }
+    if let Some(gradient) = context.effects.pressure_gradient {
+        flow.set_pressure_gradient(gradient)?;
+        flow.move_with_spheres(&context.dem.storage().mass)?;
+    }
+    Ok(())
+}
+
+/// The edges of a new network, where they carry forces.
+fn edges_of(
+    flow: &Flow,
+    snapshot: &Snapshot,
+    context: &RemeshContext,
+) -> Result<Option<EdgeForces>> {
+    let network = (flow.network(), context.saturation.fluid.slip_walls);
+    EdgeForces::new(&context.effects.edges, network, &snapshot.position, context.dem)
 }
 
 /// What each pore has grown by since the positions that its network was built of (m³).
 fn volume_change(flow: &Flow, context: &RemeshContext) -> Result<Vec<f64>> {
-    let now = flow.network().volumes_at(&context.dem.storage().position, &context.dem.box_())?;
+    let position = &context.dem.storage().position;
+    let now = match context.dem.cell() {
+        None => flow.network().volumes_at(position, &context.dem.box_())?,
+        Some(cell) => flow.network().volumes_in_cell(position, cell.cell())?,
+    };
     Ok(now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect())
 }
 

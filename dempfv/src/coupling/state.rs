@@ -14,12 +14,12 @@ use super::saturation::Saturation;
 use super::time_step::AutoTimeStep;
 use crate::Vec3;
 use crate::dem::law::{ContactLaw, Linear};
-use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, WallMaterial};
+use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, MaterialPair, WallMaterial};
 
 /// What a [`CoupledState`] says it is.
 const KIND: &str = "dempfv coupled state";
 /// To be raised when a state would no longer mean the same.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// What spheres and fluid are, and how they are computed: all that a caller
 /// chooses, and may choose anew where a state is taken up.
@@ -27,6 +27,8 @@ const VERSION: u32 = 6;
 pub struct Parameters {
     /// What the spheres are made of.
     pub materials: Vec<Material>,
+    /// What pairs of materials have against each other.
+    pub pairs: Vec<MaterialPair>,
     /// What the walls are made of.
     pub wall_material: WallMaterial,
     /// What is simulated beside contacts.
@@ -80,20 +82,29 @@ impl CoupledState {
         self.progress.steps
     }
 
-    /// Gives the spheres another density (kg/m³): their masses follow, their velocities stay.
-    pub(crate) fn set_density(&mut self, density: f64) {
+    /// Gives the materials other densities (kg/m³): masses follow, velocities stay.
+    pub(crate) fn set_densities(&mut self, densities: &[f64]) {
         let factors: Vec<f64> = self
             .parameters
             .materials
             .iter_mut()
-            .map(|material| density / std::mem::replace(&mut material.density, density))
+            .zip(densities)
+            .map(|(material, &density)| density / std::mem::replace(&mut material.density, density))
             .collect();
         // Lists of different lengths are refused where the state is taken up.
         let particles = &mut self.dem.particles;
+        let mut by_number = vec![1.0; particles.mass.len()];
+        for (i, &number) in particles.id.iter().enumerate() {
+            let material = particles.material.get(i).copied().unwrap_or(0);
+            if let Some(factor) = by_number.get_mut(number as usize) {
+                *factor = factors.get(usize::from(material)).copied().unwrap_or(1.0);
+            }
+        }
         for (i, mass) in particles.mass.iter_mut().enumerate() {
             let material = particles.material.get(i).copied().unwrap_or(0);
             *mass *= factors.get(usize::from(material)).copied().unwrap_or(1.0);
         }
+        self.dem.scale_clumps(|number| by_number.get(number).copied().unwrap_or(1.0));
     }
 
     /// Forgets the network: the next step builds one of the positions of the moment.
@@ -134,6 +145,7 @@ impl Coupled {
             version: VERSION,
             parameters: Parameters {
                 materials: self.dem.materials().to_vec(),
+                pairs: self.dem.material_pairs().to_vec(),
                 wall_material: *self.dem.wall_material(),
                 options: *self.dem.options(),
                 saturation: self.saturation,
@@ -213,6 +225,9 @@ impl Coupled {
         }
         let Parameters { materials, wall_material, options, .. } = &parameters;
         let mut dem = Dem::with_law_from_state(law, dem, materials, *wall_material, *options)?;
+        if !parameters.pairs.is_empty() {
+            dem.set_materials(materials, &parameters.pairs)?;
+        }
         dem.set_contact_forces(contact_forces)?;
         let mut coupled = Coupled::new(dem);
         coupled.accelerate(parameters.acceleration);

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::edges::EdgeForces;
 use super::error::Result;
 use super::time_step::{TimeStepBounds, viscous_time_step};
 use crate::dem::{Dem, WallControl};
@@ -96,6 +97,7 @@ pub(super) fn bounds(
     dem: &mut Dem,
     viscosity: Option<f64>,
     fastest: Option<&FastestMode>,
+    edges: Option<&mut EdgeForces>,
 ) -> TimeStepBounds {
     let smallest = dem.storage().radius.iter().copied().fold(f64::INFINITY, f64::min);
     let lightest = dem.materials().iter().map(|m| m.density).fold(f64::INFINITY, f64::min);
@@ -104,10 +106,14 @@ pub(super) fn bounds(
         let bound = f.bound(dem.options().damping)?;
         Some(f.time_step.map_or(bound, |found_for| compressible(contact, bound, found_for)))
     });
+    let edges = edges.map_or(0.0, |edges| edges.rate(dem, contact));
+    // Rates of two drags on one motion add up, at most.
+    let with_edges =
+        |bound: f64| 1.0 / (1.0 / bound + 1.0 / bound_of(edges, dem.options().damping));
     TimeStepBounds {
         contact,
-        viscous_estimate: viscosity.map(|mu| viscous_time_step(smallest, lightest, mu)),
-        viscous,
+        viscous_estimate: viscosity.map(|mu| with_edges(viscous_time_step(smallest, lightest, mu))),
+        viscous: viscous.map(with_edges),
         collision: (dem.options().damping == 0.0).then(|| dem.collision_time_step()),
     }
 }

@@ -32,7 +32,7 @@ pub const EFFECT: Effect = Effect {
         EffectKey { key: "edges in [cell]", unit: "m", default: "those of the packing file" },
         EffectKey { key: "velocity_gradient in a run stage", unit: "1/s", default: "0" },
     ],
-    needs: "a cell with heights of twice the reach of the largest pair; no walls, gravity or fluid",
+    needs: "a cell with heights of twice the reach of the largest pair; no walls or gravity",
     test: "dempfv/tests/cell_contacts.rs, dempfv/tests/cell_motion.rs",
 };
 
@@ -60,6 +60,9 @@ impl Default for CellControl {
 
 /// What moves the cell: entry `[a][b]` for L_ab.
 pub type CellControls = [[CellControl; 3]; 3];
+
+/// Largest strain in a step: two spheres that touch come as much nearer, over their distance.
+const MOST_STRAIN: f64 = 0.1;
 
 /// A periodic cell in motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,6 +138,13 @@ impl PeriodicCell {
 
     /// Takes a step of length `dt` (s) with this velocity gradient.
     pub(super) fn advance(&mut self, gradient: Tensor, dt: f64) -> Result<(), DemError> {
+        for (first, second) in (0..3).flat_map(|a| (0..3).map(move |b| (a, b))) {
+            let rate = gradient[(first, second)];
+            let (strain, most) = ((dt * rate).abs(), MOST_STRAIN);
+            if strain > most {
+                return Err(DemError::CellStrainPerStep { first, second, rate, dt, strain, most });
+            }
+        }
         self.cell = self.cell.deformed(&gradient, dt)?;
         self.velocity_gradient = gradient;
         self.last_dt = dt;

@@ -2,6 +2,7 @@
 
 use super::cell::{CellControls, PeriodicCell};
 use super::cell_neighbours::STRAY;
+use super::cell_pass::CellPass;
 use super::error::DemError;
 use super::law::ContactLaw;
 use super::material::{Material, WallMaterial};
@@ -85,10 +86,14 @@ impl Dem {
     ) -> Result<(), DemError> {
         let Some(mut cell) = self.cell.take() else { return self.move_walls(dt, fluid) };
         let (gradient, drift) = self.cell_gradient(&cell, dt);
+        let before = self.ledger.map(|_| CellPass::new(&cell).gradient());
         cell.drift = drift;
         let moved = cell.advance(gradient, dt);
         self.cell = Some(cell);
         moved?;
+        if let Some(before) = before {
+            self.book_cell(dt, [&before, &gradient]);
+        }
         if gradient == Tensor::zeros() {
             return Ok(());
         }
@@ -99,7 +104,11 @@ impl Dem {
             let way = go * Vec3::new(*x, *y, *z);
             (*x, *y, *z) = (*x + way.x, *y + way.y, *z + way.z);
         });
+        let motion = self.ledger.map(|_| self.translational_energy());
         for_each(&mut self.particles.velocity, &|_, c: &mut Vec3| *c = back * *c);
+        if let Some(motion) = motion {
+            self.book_cell_motion(motion);
+        }
         self.list.strained(&go);
         self.follow_cell();
         Ok(())

@@ -46,6 +46,11 @@ impl CellPass {
         self.shift[usize::from(image)].into()
     }
 
+    /// The mean field as it was in the last step, for distances of today: L (1 + Δt L)⁻¹ (1/s).
+    pub fn gradient(&self) -> Tensor {
+        Tensor::from_fn(|a, b| self.gradient[a][b])
+    }
+
     /// Velocity of a pair that is `apart` (m) whose velocities differ by `relative` (m/s): with
     /// that of the mean field, which was L times the distance of before the step.
     #[inline(always)]
@@ -98,6 +103,12 @@ impl CellSum {
                 row.iter_mut().zip(apart).for_each(|(sum, b)| *sum += k * (b * b));
             }
         }
+    }
+
+    /// Power of the contact forces on pairs in a mean field with this velocity gradient (1/s):
+    /// Σ F_a L_ab l_b (W).
+    pub fn power(&self, gradient: &Tensor) -> f64 {
+        Tensor::from_row_slice(&self.moment).component_mul(gradient).sum()
     }
 
     /// Adds the sum of another block.

@@ -2,7 +2,7 @@
 
 use super::error::DemError;
 use super::law::Needs;
-use super::material::{check_friction, positive};
+use super::material::{Material, MaterialPair, check_friction, positive};
 use super::system::{Dem, DemOptions};
 
 impl Dem {
@@ -15,7 +15,39 @@ impl Dem {
         for material in &mut self.materials {
             material.friction_angle = angle;
         }
-        self.law.set_materials(&self.materials, &self.wall_material);
+        for pair in &mut self.pairs {
+            pair.friction_angle = None;
+        }
+        self.renew_table();
+        Ok(())
+    }
+
+    /// Changes what the spheres are made of, and what pairs of materials have against each other. Masses
+    /// stay.
+    ///
+    /// # Errors
+    /// [`DemError::NumberOfMaterials`] for another number of materials, [`DemError::Parameter`] for
+    /// values that make no sense.
+    pub fn set_materials(
+        &mut self,
+        materials: &[Material],
+        pairs: &[MaterialPair],
+    ) -> Result<(), DemError> {
+        if materials.len() != self.materials.len() {
+            return Err(DemError::NumberOfMaterials { found: materials.len() });
+        }
+        materials.iter().try_for_each(Material::check)?;
+        pairs.iter().try_for_each(|pair| pair.check(materials))?;
+        self.materials = materials.to_vec();
+        self.pairs = pairs.to_vec();
+        self.renew_table();
+        self.look_at_sizes();
+        Ok(())
+    }
+
+    /// Makes the table of contacts anew.
+    fn renew_table(&mut self) {
+        self.law.set_materials((&self.materials, &self.pairs), &self.wall_material);
         // A pass that needs overlaps alone does not look at the history.
         if self.law.pair_needs() == Needs::Overlap {
             self.list.history.fill(0.0);
@@ -23,7 +55,6 @@ impl Dem {
         if self.law.wall_needs() == Needs::Overlap {
             self.list.wall_history.fill(0.0);
         }
-        Ok(())
     }
 
     /// Changes the local damping λ.
@@ -57,6 +88,8 @@ impl Dem {
             *m *= mass_factor;
             c[3] = *r;
         }
+        let Dem { held, particles, centre, .. } = self;
+        held.clumps.scale(factor, particles, centre);
         self.list.resized();
         if self.tracks_energy() {
             self.track_energy(true);

@@ -4,11 +4,16 @@
 use std::fmt::Debug;
 
 use super::law::{ContactForce, ContactLaw, History, Needs, SphereOnPlane, Stiffness, TwoSpheres};
-use super::material::{Material, WallMaterial};
+use super::material::{Material, MaterialPair, WallMaterial};
 use super::neighbours::Neighbours;
 use super::parameters::ParameterTable;
+use super::particles::Particles;
 use super::pass::{Forces, contact_forces};
 use super::pass_input::Input;
+use super::stiffness_pass::{
+    EXPECTED_OVERLAP_SHARE, StiffnessInput, StiffnessScratch, fastest_held, fastest_lone,
+};
+use crate::Vec3;
 
 /// A contact between two steps, as an observer sees it.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +22,6 @@ pub(super) struct Touch {
     /// Depth of the overlap (m).
     pub overlap: f64,
 }
-
-/// Overlap, as a share of the radius, at which the stiffness of a contact that
-/// does not exist yet is taken at least; the linear law's does not depend on it.
-const EXPECTED_OVERLAP_SHARE: f64 = 0.01;
 
 /// The two bodies of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +49,7 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     /// approach (J) goes into.
     fn expected(&self, surfaces: Surfaces, radius: f64, energy: f64) -> Touch;
     /// Takes the constants of these materials.
-    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial);
+    fn set_materials(&mut self, spheres: (&[Material], &[MaterialPair]), wall: &WallMaterial);
     /// The most that any contact needs, and that one of spheres and that one
     /// with a wall needs.
     fn needs(&self) -> Needs;
@@ -57,8 +58,14 @@ pub(super) trait CompiledLaw: Debug + Send + Sync {
     /// Computes all contact forces; histories follow the last step.
     fn contact_forces(&self, list: &mut Neighbours, out: &mut Forces, input: Input<'_>);
     fn stiffness(&self, touch: &Touch) -> Stiffness;
+    /// See [`fastest_held`].
+    fn fastest_held(&self, input: StiffnessInput<'_>, scratch: &mut StiffnessScratch) -> f64;
+    /// See [`fastest_lone`].
+    fn fastest_lone(&self, particles: &Particles, impact2: f64) -> f64;
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce;
     fn elastic_energy(&self, touch: &Touch, history: &[f64]) -> f64;
+    /// See [`ContactLaw::viscous_force`].
+    fn viscous_force(&self, history: &[f64]) -> Vec3;
     /// See [`ContactLaw::bond`].
     fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool;
     /// See [`ContactLaw::is_bonded`].
@@ -80,7 +87,7 @@ pub(super) fn compile<L: ContactLaw>(
     spheres: &[Material],
     wall: &WallMaterial,
 ) -> Box<dyn CompiledLaw> {
-    let table = ParameterTable::new(&law, spheres, wall);
+    let table = ParameterTable::new(&law, (spheres, &[]), wall);
     Box::new(Compiled { law, table })
 }
 
@@ -127,7 +134,7 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
         Touch { surfaces, overlap }
     }
 
-    fn set_materials(&mut self, spheres: &[Material], wall: &WallMaterial) {
+    fn set_materials(&mut self, spheres: (&[Material], &[MaterialPair]), wall: &WallMaterial) {
         self.table = ParameterTable::new(&self.law, spheres, wall);
     }
 
@@ -155,6 +162,14 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
         }
     }
 
+    fn fastest_held(&self, input: StiffnessInput<'_>, scratch: &mut StiffnessScratch) -> f64 {
+        fastest_held(&self.law, &self.table, input, scratch)
+    }
+
+    fn fastest_lone(&self, p: &Particles, impact2: f64) -> f64 {
+        fastest_lone(&self.law, &self.table, &p.radius, &p.mass, &p.material, impact2)
+    }
+
     fn force(&self, touch: &Touch, history: &[f64]) -> ContactForce {
         let (parameters, history) = (self.parameters(touch.surfaces), L::History::read(history));
         match touch.surfaces {
@@ -175,6 +190,10 @@ impl<L: ContactLaw> CompiledLaw for Compiled<L> {
                 self.law.elastic_energy(&parameters, radii, touch.overlap, &history)
             }
         }
+    }
+
+    fn viscous_force(&self, history: &[f64]) -> Vec3 {
+        self.law.viscous_force(&L::History::read(history))
     }
 
     fn bond(&self, overlap: f64, radii: [f64; 2], history: &mut [f64]) -> bool {

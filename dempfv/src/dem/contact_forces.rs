@@ -16,8 +16,8 @@ pub(crate) struct ContactForces {
     force: Vec<Vec3>,
     /// Torque on each sphere (N m).
     torque: Vec<Vec3>,
-    /// Force on each wall (N), and normal stiffness of its contacts (N/m).
-    walls: PerWall<(Vec3, f64)>,
+    /// Force on each wall (N), normal stiffness of its contacts (N/m) and their dashpots (N s/m).
+    walls: PerWall<(Vec3, f64, f64)>,
     /// Sums in a periodic cell (N m): of the moments, and of the stiffnesses.
     cell: ([f64; 9], [f64; 9]),
 }
@@ -28,7 +28,7 @@ impl Dem {
         ContactForces {
             force: self.forces.force.clone(),
             torque: self.forces.torque.clone(),
-            walls: self.wall_sums.map(|sum| (sum.force, sum.stiffness)),
+            walls: self.wall_sums.map(|sum| (sum.force, sum.stiffness, sum.dashpot)),
             cell: (self.cell_sum.moment, self.cell_sum.stiffness),
         }
     }
@@ -45,7 +45,8 @@ impl Dem {
         }
         self.forces.force = force;
         self.forces.torque = torque;
-        self.wall_sums = walls.map(|&(force, stiffness)| WallSum { force, stiffness });
+        self.wall_sums =
+            walls.map(|&(force, stiffness, dashpot)| WallSum { force, stiffness, dashpot });
         let (moment, stiffness) = cell;
         self.cell_sum = CellSum { moment, stiffness };
         Ok(())

@@ -145,11 +145,18 @@ impl Dem {
     /// Number of contacts between spheres at the last
     /// [`Dem::compute_contacts`].
     pub fn sphere_contact_count(&self) -> usize {
-        self.places().filter(|place| matches!(place.other, Other::Sphere(_))).count()
+        let acting =
+            || self.places().filter(|place| matches!(place.other, Other::Sphere(_))).count();
+        if self.law.cut_off() > 0.0 { acting() } else { touching(&self.list.touch) }
     }
 
     /// Number of contacts of spheres with walls, likewise.
     pub fn wall_contact_count(&self) -> usize {
-        self.places().filter(|place| matches!(place.other, Other::Wall(_))).count()
+        let acting = || self.places().filter(|place| matches!(place.other, Other::Wall(_))).count();
+        if self.law.cut_off() > 0.0 { acting() } else { touching(&self.list.wall_touch) }
     }
+}
+
+fn touching(touch: &[bool]) -> usize {
+    touch.iter().filter(|touch| **touch).count()
 }

@@ -37,6 +37,15 @@ impl LocalDamping {
         }
     }
 
+    /// [`LocalDamping::damp`] for a load and the mean velocity of the step that it acts with.
+    pub fn damp_by(self, load: &mut Vec3, velocity: &Vec3) {
+        for k in 0..3 {
+            let power = load[k] * velocity[k];
+            let sign = if power == 0.0 { 0.0 } else { 1f64.copysign(power) };
+            load[k] *= 1.0 - self.0 * sign;
+        }
+    }
+
     /// Each component of the acceleration times 1 − λ sign(a (v + a Δt/2)).
     /// Signs are as good as random in a packing, so there is no branch to
     /// predict here.

@@ -9,15 +9,16 @@
 
 use serde::Serialize;
 
+use super::cell_pass::CellPass;
 use super::compiled::Touch;
 use super::contacts::{Other, Place};
 use super::law::Losses;
-use super::ledger::{Ledger, MotionWork};
+use super::ledger::{FilmLosses, Ledger, MotionWork};
 use super::system::Dem;
 use super::touch_change::slip;
 use crate::parallel::{block_count, sum_of};
 use crate::{Effect, EffectKey, Family};
-use crate::{PerWall, Vec3, WallId};
+use crate::{PerWall, Tensor, Vec3, WallId};
 
 /// What this effect says of itself.
 pub const EFFECT: Effect = Effect {
@@ -57,12 +58,29 @@ pub struct EnergyBalance {
     pub touch_change: f64,
     /// Dissipated by local damping.
     pub local_damping: f64,
-    /// Work of the fluid on the spheres.
+    /// Dissipated between neighbours by viscous shear of the fluid.
+    pub viscous_shear: f64,
+    /// Dissipated by films that are squeezed out.
+    pub normal_lubrication: f64,
+    /// Dissipated by films that are sheared.
+    pub shear_lubrication: f64,
+    /// Dissipated by spheres that roll on each other in a fluid.
+    pub pump_torque: f64,
+    /// Dissipated by spheres that twist against each other in a fluid.
+    pub twist_torque: f64,
+    /// Elastic energy of surfaces that films press, less what there was when tracking began.
+    pub film_elastic: f64,
+    /// Work of the fluid's pressures on the spheres.
     pub fluid_work: f64,
     /// Work of the walls on the spheres.
     pub wall_work: f64,
+    /// Work of the periodic cell on the spheres: of its deformation against the stress of contacts
+    /// and motion, −V σ:L in a second.
+    pub cell_work: f64,
     /// Work of forces and torques that were added.
     pub external_work: f64,
+    /// Work of what gives spheres a motion ([`Dem::prescribe`]).
+    pub motion_work: f64,
     /// Energy that appeared without a cause: made (or, where negative, lost) by time integration.
     pub residual: f64,
 }
@@ -70,8 +88,10 @@ pub struct EnergyBalance {
 impl EnergyBalance {
     /// The sum of what moved (J): the magnitudes of all works and losses, to measure the residual by.
     pub fn moved(&self) -> f64 {
-        let works = self.fluid_work.abs() + self.wall_work.abs() + self.external_work.abs();
-        works + self.dissipated().abs()
+        let around = [self.wall_work, self.cell_work];
+        let works = [self.fluid_work, self.external_work, self.motion_work];
+        let all = works.into_iter().chain(around);
+        all.map(f64::abs).sum::<f64>() + self.dissipated().abs()
     }
 
     /// What was dissipated by all causes (J).
@@ -82,22 +102,29 @@ impl EnergyBalance {
             + self.breakage
             + self.touch_change
             + self.local_damping
+            + self.viscous_shear
+            + self.normal_lubrication
+            + self.shear_lubrication
+            + self.pump_torque
+            + self.twist_torque
     }
 }
 
 impl Dem {
     /// Begins to track energy by cause, or ends it. Costs nothing when off. Beginning anew forgets
-    /// what was tracked before. There is none in a periodic cell, whose work is not booked.
+    /// what was tracked before.
     pub fn track_energy(&mut self, on: bool) {
         self.ledger = None;
-        let on = on && self.cell.is_none();
-        let blocks = if on { block_count(self.particles.len()) } else { 0 };
-        self.forces.losses = vec![Losses::default(); blocks];
-        self.motion_work = vec![MotionWork::default(); blocks];
+        let spheres = if on { self.particles.len() } else { 0 };
+        self.forces.losses = vec![Losses::default(); block_count(spheres)];
+        self.motion_work = vec![MotionWork::default(); spheres];
         if on {
-            let began_with = self.energy_now().iter().sum();
-            let (losses, work) = Default::default();
-            self.ledger = Some(Ledger { began_with, losses, work, walls: 0.0, last_dt: 0.0 });
+            // What dashpots do in the second half of the last step is booked in the next.
+            let began_with = self.energy_now().iter().sum::<f64>() + self.damping_half_way();
+            let (losses, work, films) = Default::default();
+            let ledger =
+                Ledger { began_with, losses, work, films, walls: 0.0, cell: 0.0, last_dt: 0.0 };
+            self.ledger = Some(ledger);
         }
     }
 
@@ -108,7 +135,7 @@ impl Dem {
 
     /// Energy by cause since [`Dem::track_energy`]; `None` where it is not tracked.
     pub fn energy_balance(&self) -> Option<EnergyBalance> {
-        let Ledger { began_with, losses, work, walls, .. } = self.ledger.as_ref()?;
+        let Ledger { began_with, losses, work, films, walls, cell, .. } = self.ledger.as_ref()?;
         let [translation, rotation, elastic, gravity] = self.energy_now();
         let mut balance = EnergyBalance {
             translation,
@@ -116,18 +143,27 @@ impl Dem {
             elastic,
             gravity,
             friction: losses.friction,
-            contact_damping: losses.contact_damping,
+            contact_damping: losses.contact_damping + self.damping_half_way(),
             rolling: losses.rolling,
             breakage: losses.breakage,
             touch_change: losses.touch_change,
             local_damping: work.damping,
+            viscous_shear: films.viscous_shear,
+            normal_lubrication: films.normal_lubrication,
+            shear_lubrication: films.shear_lubrication,
+            pump_torque: films.pump_torque,
+            twist_torque: films.twist_torque,
+            film_elastic: films.elastic,
             fluid_work: work.fluid,
             wall_work: *walls,
+            cell_work: *cell,
             external_work: work.external,
+            motion_work: work.motion,
             residual: 0.0,
         };
-        let now = translation + rotation + elastic + gravity;
-        let done = balance.fluid_work + balance.wall_work + balance.external_work;
+        let now = translation + rotation + elastic + gravity + films.elastic;
+        let around = balance.wall_work + balance.cell_work;
+        let done = balance.fluid_work + around + (balance.external_work + balance.motion_work);
         balance.residual = (now - began_with) + (balance.dissipated() - done);
         Some(balance)
     }
@@ -138,7 +174,13 @@ impl Dem {
         let p = &self.particles;
         let gravity = self.options.gravity.map_or(0.0, |g| {
             let half_way = |i: usize| p.position[i] - 0.5 * self.pending_dt * p.velocity[i];
-            -(0..p.len()).map(|i| p.mass[i] * g.dot(&half_way(i))).sum::<f64>()
+            let single = |i: &usize| self.held.clumps.of(*i).is_none();
+            let spheres = (0..p.len()).filter(single).map(|i| p.mass[i] * g.dot(&half_way(i)));
+            let bodies = self.clumps().map(|clump| {
+                let half_way = clump.centre - 0.5 * self.pending_dt * clump.velocity;
+                clump.mass * g.dot(&half_way)
+            });
+            -(spheres.sum::<f64>() + bodies.sum::<f64>())
         });
         let elastic = self.elastic_energy_half_way();
         [self.translational_energy(), self.rotational_energy(), elastic, gravity]
@@ -147,35 +189,66 @@ impl Dem {
     /// Elastic energy of all contacts half a step before the positions (J).
     fn elastic_energy_half_way(&self) -> f64 {
         let (list, length) = (&self.list, self.law.history_length());
+        let cell = self.cell.as_ref().map(CellPass::new);
         let spheres = sum_of(list.pairs.len(), |k| {
+            if !list.touch[k] {
+                return 0.0;
+            }
             let history = &list.history[k * length..][..length];
-            let place =
-                || self.elastic_half_way(&self.sphere_place(list.pairs[k], Vec3::zeros(), history));
-            if list.touch[k] { place() } else { 0.0 }
+            let shift = cell.map_or(Vec3::zeros(), |cell| cell.shift(list.image[k]));
+            let place = self.sphere_place(list.pairs[k], shift, history);
+            self.elastic_half_way(&place, cell.as_ref())
         });
         let walls = sum_of(list.wall_pairs.len(), |k| {
             let history = &list.wall_history[k * length..][..length];
-            let place = || self.elastic_half_way(&self.wall_place(list.wall_pairs[k], history));
+            let place =
+                || self.elastic_half_way(&self.wall_place(list.wall_pairs[k], history), None);
             if list.wall_touch[k] { place() } else { 0.0 }
         });
         // Sums of nothing are -0, which helps no reader.
         spheres + walls + 0.0
     }
 
-    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
-    /// overlap half way, and after half the slip of the step. The parts of second order make it
-    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
-    fn elastic_half_way(&self, place: &Place<'_>) -> f64 {
-        let (p, dt, normal) = (&self.particles, self.pending_dt, place.normal);
-        let Touch { surfaces, overlap } = place.touch;
-        let arm = |k: usize| (p.radius[k] - 0.5 * overlap) * p.spin[k];
-        let (velocity, rim) = match place.other {
-            Other::Sphere(j) => (p.velocity[j] - p.velocity[place.i], arm(place.i) + arm(j)),
+    /// What the dashpots of all contacts dissipate in the second half of the last step (J), which the
+    /// next pass books.
+    fn damping_half_way(&self) -> f64 {
+        let cell = self.cell.as_ref().map(CellPass::new);
+        let way = |place: &Place<'_>| {
+            let (velocity, rim) = self.relative_motion(place, cell.as_ref());
+            slip(self.pending_dt, &velocity, &rim, &place.normal)
+        };
+        let lost = |place: Place<'_>| self.law.viscous_force(place.history).dot(&way(&place));
+        -0.5 * self.places().map(lost).sum::<f64>() + 0.0
+    }
+
+    /// Velocity of the second body of a contact relative to the first, and the sum of their arms times
+    /// spins (m/s).
+    fn relative_motion(&self, place: &Place<'_>, cell: Option<&CellPass>) -> (Vec3, Vec3) {
+        let (p, normal) = (&self.particles, place.normal);
+        let arm = |k: usize| (p.radius[k] - 0.5 * place.touch.overlap) * p.spin[k];
+        match place.other {
+            Other::Sphere(j) => {
+                let mut apart = p.velocity[j] - p.velocity[place.i];
+                if let Some(cell) = cell {
+                    let way = place.distance * normal;
+                    apart = cell.with_mean_field(apart.into(), way.into()).into();
+                }
+                (apart, arm(place.i) + arm(j))
+            }
             Other::Wall(wall) => {
                 let moved = -wall.inward() * self.walls[wall].velocity;
                 (moved * normal - p.velocity[place.i], arm(place.i))
             }
-        };
+        }
+    }
+
+    /// Elastic energy (J) of a contact half a step before the positions: what is left of it at the
+    /// overlap half way, and after half the slip of the step. The parts of second order make it
+    /// ½ k δ₀ δ₁ of a linear spring, whose work then sums up to the last digit.
+    fn elastic_half_way(&self, place: &Place<'_>, cell: Option<&CellPass>) -> f64 {
+        let (dt, normal) = (self.pending_dt, place.normal);
+        let Touch { surfaces, overlap } = place.touch;
+        let (velocity, rim) = self.relative_motion(place, cell);
         let closing = match place.other {
             Other::Sphere(_) => {
                 let apart = place.distance * normal;
@@ -199,20 +272,46 @@ impl Dem {
     }
 
     /// Length of the step before one of `dt`, where that is known (s).
-    pub(super) fn last_dt(&self, dt: f64) -> f64 {
+    pub(crate) fn last_dt(&self, dt: f64) -> f64 {
         self.ledger.map_or(dt, |ledger| if ledger.last_dt > 0.0 { ledger.last_dt } else { dt })
+    }
+
+    /// Books what the cell does against the contacts in a step of `dt` (s): over half the way of the
+    /// step before, and half that of this one, with these velocity gradients (1/s).
+    pub(super) fn book_cell(&mut self, dt: f64, [before, now]: [&Tensor; 2]) {
+        let last_dt = self.last_dt(dt);
+        let Some(ledger) = &mut self.ledger else { return };
+        let sum = &self.cell_sum;
+        ledger.cell -= 0.5 * (last_dt * sum.power(before) + dt * sum.power(now));
+    }
+
+    /// Books what the cell has made of the motion of the spheres, which had this energy (J).
+    pub(super) fn book_cell_motion(&mut self, before: f64) {
+        let now = self.translational_energy();
+        if let Some(ledger) = &mut self.ledger {
+            ledger.cell += now - before;
+        }
+    }
+
+    /// Books what the films between neighbours took, of which the walls gave `by_walls` (J). It was part
+    /// of the fluid's work.
+    pub(crate) fn book_films(&mut self, losses: &FilmLosses, by_walls: f64) {
+        let Some(ledger) = &mut self.ledger else { return };
+        ledger.films.join(losses);
+        ledger.walls += by_walls;
+        ledger.work.fluid += losses.dissipated() + losses.elastic - by_walls;
     }
 
     /// Books what forces and walls did in the step; `before` has the walls' velocities before it.
     pub(super) fn book_work(&mut self, dt: f64, before: &PerWall<f64>) {
         let last_dt = self.last_dt(dt);
         let Some(ledger) = &mut self.ledger else { return };
-        for work in &mut self.motion_work {
-            ledger.work.damping += work.damping;
-            ledger.work.fluid += work.fluid;
-            ledger.work.external += work.external;
-            *work = MotionWork::default();
+        // Eight sums at once, in an order that no number of threads changes.
+        let mut sums = [MotionWork::default(); 8];
+        for works in self.motion_work.chunks(sums.len()) {
+            sums.iter_mut().zip(works).for_each(|(sum, work)| sum.join(work));
         }
+        sums.iter().for_each(|sum| ledger.work.join(sum));
         for wall in WallId::ALL {
             let way = 0.5 * (last_dt * before[wall] + dt * self.walls[wall].velocity);
             ledger.walls -= self.wall_sums[wall].force[wall.axis()] * way;

@@ -1,5 +1,6 @@
 //! What can go wrong in the mechanics.
 
+use crate::excerpt::Brief;
 use crate::{CellError, WallId};
 
 /// Names of the axes.
@@ -18,7 +19,7 @@ pub enum DemError {
         quantity: &'static str,
     },
     /// A parameter has a value that makes no sense.
-    #[error("{name} = {value}; it must be {expected}")]
+    #[error("{name} = {}; it must be {expected}", Brief(*value))]
     Parameter {
         /// Name of the parameter.
         name: &'static str,
@@ -28,7 +29,7 @@ pub enum DemError {
         expected: &'static str,
     },
     /// A radius or a mass that is not a positive number.
-    #[error("particle {particle}: {quantity} = {value}; it must be positive and finite")]
+    #[error("particle {particle}: {quantity} = {}; it must be positive and finite", Brief(*value))]
     BadParticle {
         /// The user's number of the particle.
         particle: u32,
@@ -74,6 +75,32 @@ pub enum DemError {
         number: u32,
         /// The number of particles.
         count: usize,
+    },
+    /// A number that no sphere has.
+    #[error("there is no sphere {number}: their numbers begin at 0, and there are {count}")]
+    NoSuchSphere {
+        /// The number.
+        number: u32,
+        /// How many spheres there are.
+        count: usize,
+    },
+    /// A motion that cannot be given.
+    #[error("the {what} of a motion {problem}; {remedy}")]
+    Motion {
+        /// Which part of it.
+        what: &'static str,
+        /// What is wrong with it.
+        problem: &'static str,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// A clump that cannot be.
+    #[error("clump {clump} {reason}")]
+    Clump {
+        /// Its place among the clumps, from 0.
+        clump: usize,
+        /// Why not, and what would be right.
+        reason: &'static str,
     },
     /// Effects of a contact law that do not go together.
     #[error("{reason}")]
@@ -182,6 +209,26 @@ pub enum DemError {
         least: f64,
         /// Largest radius (m).
         largest: f64,
+    },
+    /// A periodic cell that deforms too much in a step.
+    #[error(
+        "the cell's velocity gradient L_{a}{b} = {rate:e} /s makes a strain of {strain:.3e} in one time step of \
+         {dt:.3e} s; at most {most} leaves contacts time to act: give a smaller rate, or a smaller time step",
+        a = AXES[*first], b = AXES[*second]
+    )]
+    CellStrainPerStep {
+        /// The component's two axes.
+        first: usize,
+        /// See above.
+        second: usize,
+        /// Its value (1/s).
+        rate: f64,
+        /// Length of the step (s).
+        dt: f64,
+        /// Their product (1).
+        strain: f64,
+        /// What is allowed (1).
+        most: f64,
     },
     /// A shear stress is prescribed by both its components.
     #[error(

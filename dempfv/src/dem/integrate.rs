@@ -5,9 +5,9 @@ use super::error::DemError;
 use super::external::ExternalLoads;
 use super::ledger::MotionWork;
 use super::particles::Particles;
-use crate::Vec3;
 use crate::parallel::{BLOCK, Span, cut, cut_mut, for_blocks};
 use crate::{Effect, EffectKey, Family};
+use crate::{PerWall, Vec3};
 
 /// What this effect says of itself.
 pub const ROTATION: Effect = Effect {
@@ -52,10 +52,24 @@ pub(super) struct Loads<'a> {
     /// Force and torque of the contacts (N, N m).
     pub force: &'a [Vec3],
     pub torque: &'a [Vec3],
-    /// Force of the fluid (N), if there is one.
+    /// Force and torque of the fluid (N, N m), if there is one.
     pub fluid: Option<&'a [Vec3]>,
+    pub fluid_torque: Option<&'a [Vec3]>,
     /// What a user adds, if anything.
     pub external: Option<&'a ExternalLoads>,
+    /// Which spheres others move; empty where none.
+    pub held: &'a [bool],
+}
+
+/// What a fluid puts on spheres, in storage order, and walls.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FluidLoads<'a> {
+    /// Force on each sphere (N).
+    pub force: Option<&'a [Vec3]>,
+    /// Torque on each sphere (N m).
+    pub torque: Option<&'a [Vec3]>,
+    /// Force on each wall (N).
+    pub on_walls: Option<&'a PerWall<Vec3>>,
 }
 
 /// What a step found.
@@ -72,7 +86,7 @@ struct Found {
 /// x += v Δt, and the same for spins. Returns the farthest way that a sphere
 /// went (m).
 ///
-/// `work` has room for what each block's forces do, or is empty where that is not tracked.
+/// `work` has room for what the forces on each sphere do, or is empty where that is not tracked.
 ///
 /// # Errors
 /// [`DemError::NotFinite`] names the first particle that is not finite.
@@ -92,8 +106,10 @@ pub(super) fn advance(
         force: loads.force,
         torque: loads.torque,
         fluid: loads.fluid.unwrap_or(&[]),
+        fluid_torque: loads.fluid_torque.unwrap_or(&[]),
         external_force: loads.external.map_or(&[], |e| &e.force),
         external_torque: loads.external.map_or(&[], |e| &e.torque),
+        held: loads.held,
         work,
     };
     let external = loads.external.is_some();
@@ -121,9 +137,12 @@ struct MoveSpan<'a> {
     torque: &'a [Vec3],
     /// Empty without fluid.
     fluid: &'a [Vec3],
+    fluid_torque: &'a [Vec3],
     /// Empty without external loads.
     external_force: &'a [Vec3],
     external_torque: &'a [Vec3],
+    /// Empty where all move freely.
+    held: &'a [bool],
     /// Empty where work is not tracked.
     work: &'a mut [MotionWork],
 }
@@ -143,9 +162,11 @@ impl Span for MoveSpan<'_> {
         let force = cut(self.force, n);
         let torque = cut(self.torque, n);
         let fluid = cut(self.fluid, n);
+        let fluid_torque = cut(self.fluid_torque, n);
         let external_force = cut(self.external_force, n);
         let external_torque = cut(self.external_torque, n);
-        let work = cut_mut(self.work, blocks);
+        let held = cut(self.held, n);
+        let work = cut_mut(self.work, n);
         (
             MoveSpan {
                 position: position.0,
@@ -156,8 +177,10 @@ impl Span for MoveSpan<'_> {
                 force: force.0,
                 torque: torque.0,
                 fluid: fluid.0,
+                fluid_torque: fluid_torque.0,
                 external_force: external_force.0,
                 external_torque: external_torque.0,
+                held: held.0,
                 work: work.0,
             },
             MoveSpan {
@@ -169,8 +192,10 @@ impl Span for MoveSpan<'_> {
                 force: force.1,
                 torque: torque.1,
                 fluid: fluid.1,
+                fluid_torque: fluid_torque.1,
                 external_force: external_force.1,
                 external_torque: external_torque.1,
+                held: held.1,
                 work: work.1,
             },
         )
@@ -191,28 +216,42 @@ impl pulp::NullaryFnOnce for Advance<'_> {
     #[inline(always)]
     fn call(self) -> Found {
         let Advance { span, step, external } = self;
-        match (step.rotation, external, !span.work.is_empty()) {
-            (true, false, false) => span.advance::<true, false, false>(step),
-            (false, false, false) => span.advance::<false, false, false>(step),
-            (true, true, false) => span.advance::<true, true, false>(step),
-            (false, true, false) => span.advance::<false, true, false>(step),
-            (true, false, true) => span.advance::<true, false, true>(step),
-            (false, false, true) => span.advance::<false, false, true>(step),
-            (true, true, true) => span.advance::<true, true, true>(step),
-            (false, true, true) => span.advance::<false, true, true>(step),
+        match span.held.is_empty() {
+            true => span.choose::<false>(step, external),
+            false => span.choose::<true>(step, external),
         }
     }
 }
 
 impl MoveSpan<'_> {
     #[inline(always)]
-    fn advance<const ROTATION: bool, const EXTERNAL: bool, const WORK: bool>(
+    fn choose<const HELD: bool>(self, step: &Step, external: bool) -> Found {
+        match (step.rotation, external, !self.work.is_empty()) {
+            (true, false, false) => self.advance::<HELD, true, false, false>(step),
+            (false, false, false) => self.advance::<HELD, false, false, false>(step),
+            (true, true, false) => self.advance::<HELD, true, true, false>(step),
+            (false, true, false) => self.advance::<HELD, false, true, false>(step),
+            (true, false, true) => self.advance::<HELD, true, false, true>(step),
+            (false, false, true) => self.advance::<HELD, false, false, true>(step),
+            (true, true, true) => self.advance::<HELD, true, true, true>(step),
+            (false, true, true) => self.advance::<HELD, false, true, true>(step),
+        }
+    }
+
+    #[inline(always)]
+    fn advance<const HELD: bool, const ROTATION: bool, const EXTERNAL: bool, const WORK: bool>(
         self,
         step: &Step,
     ) -> Found {
         let dt = step.dt;
         let mut found = Found { fastest2: 0, finite: true };
         for k in 0..self.position.len() {
+            if HELD && self.held[k] {
+                if WORK {
+                    self.work[k] = MotionWork::default();
+                }
+                continue;
+            }
             let mut force = self.force[k];
             if let Some(fluid) = self.fluid.get(k) {
                 force += fluid;
@@ -226,13 +265,14 @@ impl MoveSpan<'_> {
             step.damping.damp(&mut a, &self.velocity[k], dt);
             let v = self.velocity[k] + dt * a;
             if WORK {
-                let work = &mut self.work[k / BLOCK];
+                // Each sphere's own, added up later: a sum would keep the loop from vector units.
                 let way = 0.5 * (step.last_dt * self.velocity[k] + dt * v);
-                work.damping += self.mass[k] * (undamped - a).dot(&way);
-                work.fluid += self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way));
-                if EXTERNAL {
-                    work.external += self.external_force[k].dot(&way);
-                }
+                self.work[k] = MotionWork {
+                    damping: self.mass[k] * (undamped - a).dot(&way),
+                    fluid: self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way)),
+                    external: if EXTERNAL { self.external_force[k].dot(&way) } else { 0.0 },
+                    motion: 0.0,
+                };
             }
             let [x, y, z, radius] = self.centre[k];
             let x = Vec3::new(x, y, z) + dt * v;
@@ -244,6 +284,9 @@ impl MoveSpan<'_> {
             let mut sum = speed2 + x.norm_squared();
             if ROTATION {
                 let mut torque = self.torque[k];
+                if let Some(fluid) = self.fluid_torque.get(k) {
+                    torque += fluid;
+                }
                 if EXTERNAL {
                     torque += self.external_torque[k];
                 }
@@ -253,10 +296,11 @@ impl MoveSpan<'_> {
                 step.damping.damp(&mut a, &self.spin[k], dt);
                 let spin = self.spin[k] + dt * a;
                 if WORK {
-                    let work = &mut self.work[k / BLOCK];
+                    let work = &mut self.work[k];
                     let turn = 0.5 * (step.last_dt * self.spin[k] + dt * spin);
                     let inertia = 0.4 * self.mass[k] * radius * radius;
                     work.damping += inertia * (undamped - a).dot(&turn);
+                    work.fluid += self.fluid_torque.get(k).map_or(0.0, |fluid| fluid.dot(&turn));
                     if EXTERNAL {
                         work.external += self.external_torque[k].dot(&turn);
                     }
@@ -271,13 +315,14 @@ impl MoveSpan<'_> {
 }
 
 /// Names the first particle with something that is not finite.
-fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemError {
+pub(super) fn first_not_finite(particles: &Particles, loads: Loads<'_>) -> DemError {
     let fluid = loads.fluid.unwrap_or(&[]);
     let external = |of: fn(&ExternalLoads) -> &[Vec3]| loads.external.map_or(&[][..], of);
     let bad = |v: Option<&Vec3>| v.is_some_and(|v| !v.iter().all(|c| c.is_finite()));
     for (i, &particle) in particles.id.iter().enumerate() {
         for (quantity, values) in [
             ("the fluid force", fluid),
+            ("the fluid torque", loads.fluid_torque.unwrap_or(&[])),
             ("the external force", external(|e| &e.force)),
             ("the external torque", external(|e| &e.torque)),
             ("the contact force", loads.force),

@@ -3,6 +3,37 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::DemError;
+use crate::{Effect, EffectKey, Family};
+
+/// What this effect says of itself.
+pub const EFFECT: Effect = Effect {
+    name: "several materials",
+    family: Family::Contacts,
+    equation: "each contact by a table of the pairs of materials; what a pair does not state follows from both",
+    source: "",
+    keys: &[
+        EffectKey {
+            key: "density in [[material]]", unit: "kg/m³", default: "that of [particles]"
+        },
+        EffectKey {
+            key: "young in [[material]] and [[pair]]",
+            unit: "Pa",
+            default: "likewise; from both",
+        },
+        EffectKey {
+            key: "stiffness_ratio in [[material]] and [[pair]]",
+            unit: "",
+            default: "likewise",
+        },
+        EffectKey {
+            key: "friction_angle in [[material]] and [[pair]]",
+            unit: "degrees",
+            default: "likewise",
+        },
+    ],
+    needs: "",
+    test: "dempfv/tests/dem_materials.rs",
+};
 
 /// What the spheres are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +47,51 @@ pub struct Material {
     pub friction_angle: f64,
     /// Density of the solid (kg/m³).
     pub density: f64,
+}
+
+/// What two materials have against each other, in the place of what follows from both of them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialPair {
+    /// Indices of the two materials, in either order; twice the same for spheres of one material.
+    pub between: [u16; 2],
+    /// Contact modulus that both have here (Pa).
+    pub young: Option<f64>,
+    /// Ratio of shear to normal stiffness.
+    pub stiffness_ratio: Option<f64>,
+    /// Friction angle (rad).
+    pub friction_angle: Option<f64>,
+}
+
+impl MaterialPair {
+    /// Checks that it is one of `count` materials, with values that are physical.
+    pub(super) fn check(&self, materials: &[Material]) -> Result<(), DemError> {
+        for index in self.between {
+            match materials.get(usize::from(index)) {
+                Some(material) => self.of(material).check()?,
+                None => {
+                    let (name, value) = ("material of a pair", f64::from(index));
+                    return Err(DemError::Parameter { name, value, expected: "one that there is" });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it is of these two.
+    pub(super) fn joins(&self, first: usize, second: usize) -> bool {
+        let [a, b] = self.between.map(usize::from);
+        (a, b) == (first, second) || (b, a) == (first, second)
+    }
+
+    /// One of its materials as it is against the other.
+    pub(super) fn of(&self, material: &Material) -> Material {
+        Material {
+            young: self.young.unwrap_or(material.young),
+            stiffness_ratio: self.stiffness_ratio.unwrap_or(material.stiffness_ratio),
+            friction_angle: self.friction_angle.unwrap_or(material.friction_angle),
+            density: material.density,
+        }
+    }
 }
 
 /// What the walls are made of. The shear stiffness of a sphere on a wall has

@@ -11,6 +11,7 @@
 use rayon::prelude::*;
 
 use super::cell_neighbours::{CellStrain, Sight, Wrapped};
+use super::clumps::NO_CLUMP;
 use super::error::DemError;
 use super::grid::Grid;
 use super::kept::{Kept, history_of, merge};
@@ -168,7 +169,8 @@ impl Neighbours {
     }
 
     /// Builds the list anew, keeping the history. `cut_off` is the law's (m),
-    /// `skin` a share of the mean radius.
+    /// `skin` a share of the mean radius. Spheres of one clump, by their indices in `clumps`, are no
+    /// pair; the list is empty without clumps.
     ///
     /// # Errors
     /// [`DemError::OutsideBox`] or [`DemError::Coincident`]; the list is then
@@ -177,8 +179,8 @@ impl Neighbours {
         &mut self,
         particles: &Particles,
         (walls, cell): (&PerWall<Wall>, Option<&Cell>),
-        cut_off: f64,
-        skin: f64,
+        (cut_off, skin): (f64, f64),
+        clumps: &[u32],
     ) -> Result<(), DemError> {
         let n = particles.len();
         let skin = skin * particles.radius.iter().sum::<f64>() / n.max(1) as f64;
@@ -205,6 +207,9 @@ impl Neighbours {
                 Some(sight) => {
                     part.find_in_cell(block, particles, &self.wrapped, &self.grid, sight);
                 }
+            }
+            if !clumps.is_empty() {
+                part.leave_out_clumps(clumps);
             }
             part.carry(block, self);
         });
@@ -424,6 +429,16 @@ impl Part {
             }
         }
         self.found = found;
+    }
+
+    /// Leaves out the pairs within clumps.
+    fn leave_out_clumps(&mut self, clumps: &[u32]) {
+        let apart = |pair: &[u32; 2]| {
+            let [a, b] = pair.map(|i| clumps[i as usize]);
+            a != b || a == NO_CLUMP
+        };
+        self.inner.retain(apart);
+        self.outer.retain(apart);
     }
 
     /// Carries the history of the block over from the old list.

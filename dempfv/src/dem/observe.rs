@@ -1,5 +1,6 @@
 //! What can be measured: energy, momentum, stress, contact numbers.
 
+use super::clump::Clump;
 use super::error::{DemError, require_length};
 use super::system::Dem;
 use crate::{Tensor, Vec3, WallId};
@@ -9,27 +10,34 @@ impl Dem {
     /// a time step before the positions; in a periodic cell relative to its mean field.
     pub fn kinetic_energy(&self) -> f64 {
         let p = &self.particles;
-        (0..p.len())
-            .map(|i| {
-                let inertia = 0.4 * p.mass[i] * p.radius[i].powi(2);
-                0.5 * (p.mass[i] * p.velocity[i].norm_squared()
-                    + inertia * p.spin[i].norm_squared())
-            })
-            .sum()
+        let spheres = self.single_places().map(|i| {
+            let inertia = 0.4 * p.mass[i] * p.radius[i].powi(2);
+            0.5 * (p.mass[i] * p.velocity[i].norm_squared() + inertia * p.spin[i].norm_squared())
+        });
+        let of_clump = |clump: &Clump| clump.kinetic_energy().iter().sum();
+        spheres.chain(self.clumps().map(of_clump)).sum()
+    }
+
+    /// Places in storage of the spheres that are in no clump.
+    fn single_places(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.particles.len()).filter(|&i| self.held.clumps.of(i).is_none())
     }
 
     /// Kinetic energy of translation (J), likewise: ½ m v².
     pub fn translational_energy(&self) -> f64 {
         let p = &self.particles;
-        p.mass.iter().zip(&p.velocity).map(|(m, v)| 0.5 * (m * v.norm_squared())).sum()
+        let of_sphere = |i: usize| 0.5 * (p.mass[i] * p.velocity[i].norm_squared());
+        let clumps = self.clumps().map(|clump| clump.kinetic_energy()[0]);
+        self.single_places().map(of_sphere).chain(clumps).sum()
     }
 
-    /// Kinetic energy of rotation (J), likewise: ½ I ω² with I = 2/5 m r².
+    /// Kinetic energy of rotation (J), likewise: ½ I ω² with I = 2/5 m r², and ½ L·ω of a clump.
     pub fn rotational_energy(&self) -> f64 {
         let p = &self.particles;
-        (p.mass.iter().zip(&p.radius).zip(&p.spin))
-            .map(|((m, r), w)| 0.5 * (0.4 * m * r.powi(2) * w.norm_squared()))
-            .sum()
+        let of_sphere =
+            |i: usize| 0.5 * (0.4 * p.mass[i] * p.radius[i].powi(2) * p.spin[i].norm_squared());
+        let clumps = self.clumps().map(|clump| clump.kinetic_energy()[1]);
+        self.single_places().map(of_sphere).chain(clumps).sum()
     }
 
     /// Elastic energy of all contacts (J), by the contact law; of the linear
@@ -40,7 +48,9 @@ impl Dem {
 
     /// Momentum of the spheres (kg m/s).
     pub fn momentum(&self) -> Vec3 {
-        self.particles.mass.iter().zip(&self.particles.velocity).map(|(&m, v)| m * v).sum()
+        let of_sphere = |i: usize| self.particles.mass[i] * self.particles.velocity[i];
+        let clumps = self.clumps().map(|clump| clump.mass * clump.velocity);
+        self.single_places().map(of_sphere).chain(clumps).sum()
     }
 
     /// Mean number of contacts per sphere, those with walls included: a
@@ -56,15 +66,17 @@ impl Dem {
     }
 
     /// Share of the box, or of the periodic cell, that no sphere fills; overlaps count twice as
-    /// solid.
+    /// solid, but for those within clumps.
     pub fn porosity(&self) -> f64 {
-        1.0 - self.particles.solid_volume() / self.volume()
+        let excess = self.held.clumps.excess_volume(&self.particles.radius);
+        1.0 - (self.particles.solid_volume() + excess) / self.volume()
     }
 
     /// Mean force left on a sphere over mean contact force: how far the
     /// packing is from rest. Counts gravity and, where given, the fluid's
     /// force on each sphere (N), in storage order; not what
-    /// [`Dem::add_force`] adds. Zero without contacts.
+    /// [`Dem::add_force`] adds. A clump counts once, and what is given its motion
+    /// ([`Dem::prescribe`]) does not. Zero without contacts.
     ///
     /// # Errors
     /// [`DemError::Length`] for a fluid force that is not one per sphere, and
@@ -89,13 +101,19 @@ impl Dem {
         }
         let gravity = self.options.gravity.unwrap_or_default();
         let fluid = fluid_force.unwrap_or(&[]);
-        let forces = self.storage_forces().iter().zip(&self.particles.mass).enumerate();
-        let left: f64 = forces
-            .map(|(i, (f, &m))| {
-                (f + m * gravity + fluid.get(i).copied().unwrap_or_default()).norm()
-            })
-            .sum();
-        (left / self.particles.len() as f64) / (sum / count as f64)
+        let force = self.storage_forces();
+        let loaded = |i: usize| force[i] + fluid.get(i).copied().unwrap_or_default();
+        let of_sphere = |i: usize| {
+            (force[i]
+                + self.particles.mass[i] * gravity
+                + fluid.get(i).copied().unwrap_or_default())
+            .norm()
+        };
+        let free = self.single_places().filter(|&i| !self.held.is_driven(i));
+        let clumps = self.held.clumps.net_forces(loaded, gravity).map(|f| f.norm());
+        let (left, bodies) =
+            free.map(of_sphere).chain(clumps).fold((0.0, 0usize), |(s, n), f| (s + f, n + 1));
+        (left / bodies.max(1) as f64) / (sum / count as f64)
     }
 
     /// Stress of the contacts on a wall (Pa, positive in compression), from

@@ -1,7 +1,7 @@
 //! The constants that a law takes from materials, by material.
 
 use super::law::{ContactLaw, Needs};
-use super::material::{Material, WallMaterial};
+use super::material::{Material, MaterialPair, WallMaterial};
 
 /// The constants of each pair of materials, and of each material on a wall.
 #[derive(Clone, Debug)]
@@ -15,10 +15,22 @@ pub(super) struct ParameterTable<L: ContactLaw> {
 
 impl<L: ContactLaw> ParameterTable<L> {
     /// The table of the `materials` of spheres, of which there is one at
-    /// least.
-    pub fn new(law: &L, materials: &[Material], wall: &WallMaterial) -> ParameterTable<L> {
-        let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (a, b)));
-        let spheres: Vec<_> = pairs.map(|(a, b)| law.between_spheres(a, b)).collect();
+    /// least; of several `pairs` of the same two the last one counts.
+    pub fn new(
+        law: &L,
+        (materials, pairs): (&[Material], &[MaterialPair]),
+        wall: &WallMaterial,
+    ) -> ParameterTable<L> {
+        let numbered = || materials.iter().enumerate();
+        let all = numbered().flat_map(|a| numbered().map(move |b| (a, b)));
+        let between = |((i, a), (j, b)): ((usize, &Material), (usize, &Material))| match pairs
+            .iter()
+            .rfind(|pair| pair.joins(i, j))
+        {
+            Some(pair) => law.between_spheres(&pair.of(a), &pair.of(b)),
+            None => law.between_spheres(a, b),
+        };
+        let spheres: Vec<_> = all.map(between).collect();
         let walls: Vec<_> = materials.iter().map(|a| law.on_wall(a, wall)).collect();
         let most = |table: &[L::Parameters]| {
             table.iter().map(|p| law.needs(p)).max().unwrap_or(Needs::Overlap)
@@ -31,6 +43,11 @@ impl<L: ContactLaw> ParameterTable<L> {
     #[inline(always)]
     pub fn spheres(&self, first: u16, second: u16) -> L::Parameters {
         self.spheres[usize::from(first) * self.materials + usize::from(second)]
+    }
+
+    /// Number of materials, which are no more than an index can tell.
+    pub fn materials(&self) -> u16 {
+        self.materials as u16
     }
 
     /// Constants of a sphere of this material on a wall.

@@ -295,6 +295,9 @@ impl PairSpan<'_> {
                     input,
                 );
             }
+            if let Some(losses) = self.losses.get_mut(block) {
+                *losses = std::mem::take(&mut pair_batch.losses);
+            }
             if PERIODIC {
                 continue;
             }
@@ -314,7 +317,6 @@ impl PairSpan<'_> {
                 walls.evaluate::<L, MATERIALS, false, false>(law, table, lanes, input)
             };
             if let Some(losses) = self.losses.get_mut(block) {
-                *losses = std::mem::take(&mut pair_batch.losses);
                 losses.join(&std::mem::take(&mut wall_batch.losses));
             }
         }

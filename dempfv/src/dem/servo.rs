@@ -9,7 +9,7 @@ use crate::{PerWall, WallId};
 pub const EFFECT: Effect = Effect {
     name: "servo walls",
     family: Family::Boundaries,
-    equation: "Δx = (F − σ A) / Σ k_n, all servo walls jointly with the resistance of the fluid; |v| ≤ 10 σ/√(ρ E)",
+    equation: "Δx = (F − σ A) / Σ (k_n + c_n/Δt), all servo walls jointly with the resistance of the fluid; |v| ≤ 10 σ/√(ρ E)",
     source: "docs/hard-cases.md, rows 15 and 22",
     keys: &[
         EffectKey { key: "stress of a wall in a run stage", unit: "Pa", default: "at rest" },
@@ -38,7 +38,8 @@ const KNOCK: f64 = 0.1;
 pub(super) struct ServoLoad {
     /// Force of spheres and fluid along the outward normal, less the one asked for (N).
     pub excess: f64,
-    /// Sum of the normal stiffnesses of the contacts on the wall (N/m).
+    /// What the contacts on the wall put up against its shift in the step (N/m): their normal springs,
+    /// and the dashpots over the length of the step.
     pub stiffness: f64,
     /// Largest shift, inwards and outwards (m).
     pub limit: [f64; 2],

@@ -111,7 +111,7 @@ impl SpherePairRange<'_> {
             count += usize::from(touch);
             if touch != self.touch[next] {
                 self.touch[next] = touch;
-                self.change(batch, next, (law, table), input);
+                self.change::<L, PERIODIC>(batch, next, (law, table), input);
             }
             next += 1;
         }
@@ -121,7 +121,7 @@ impl SpherePairRange<'_> {
 
     /// Two spheres have come into touch, or lost it: what one remembers then is forgotten.
     #[cold]
-    fn change<L: ContactLaw>(
+    fn change<L: ContactLaw, const PERIODIC: bool>(
         &mut self,
         batch: &mut PairBatch<L>,
         slot: usize,
@@ -133,8 +133,12 @@ impl SpherePairRange<'_> {
         if batch.tracks_energy {
             let [i, j] = self.pairs[slot].map(|k| k as usize);
             let (a, b) = (input.centre[i], input.centre[j]);
-            let apart = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-            let velocity = input.velocity[j] - input.velocity[i];
+            let mut apart = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+            let mut velocity = input.velocity[j] - input.velocity[i];
+            if let (true, Some(cell)) = (PERIODIC, input.cell) {
+                apart += cell.shift(self.image[slot]);
+                velocity = cell.with_mean_field(velocity.into(), apart.into()).into();
+            }
             let rim = a[3] * input.spin[i] + b[3] * input.spin[j];
             let slip = slip(input.dt, &velocity, &rim, &apart.normalize());
             let now = (a[3] + b[3]) - apart.norm();

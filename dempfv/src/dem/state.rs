@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::cell::PeriodicCell;
+use super::clump::Clump;
 use super::error::DemError;
 use super::ledger::Ledger;
 use super::material::{finite, positive};
+use super::motion::Motions;
 use super::particles::Particles;
 use super::walls::{Wall, box_of, check_box};
 use crate::{Aabb, PerWall, WallId};
@@ -41,6 +43,10 @@ pub struct DemState {
     pub pending_dt: f64,
     /// Bonds that have been made, intact and broken.
     pub bonds: u64,
+    /// The clumps, by the user's numbers.
+    pub clumps: Vec<Clump>,
+    /// Which spheres are given which motion.
+    pub(super) motions: Motions,
     /// Energy by cause, where it is tracked.
     pub(super) ledger: Option<Ledger>,
 }
@@ -83,11 +89,41 @@ impl DemState {
         self.particles.check()?;
         self.particles.check_digits(&self.reach(box_))?;
         self.ledger.iter().try_for_each(Ledger::check)?;
+        self.motions.check(self.particles.len())?;
+        self.check_clumps()?;
         if self.pending_dt != 0.0 {
             positive("pending_dt", self.pending_dt)?;
         }
         let histories = self.sphere_history.numbers.iter().chain(&self.wall_history.numbers);
         histories.copied().try_for_each(|number| finite("contact history", number))
+    }
+
+    fn check_clumps(&self) -> Result<(), DemError> {
+        let count = self.particles.len();
+        let mut seen = vec![false; if self.clumps.is_empty() { 0 } else { count }];
+        for (index, clump) in self.clumps.iter().enumerate() {
+            clump.check()?;
+            for &number in &clump.members {
+                match seen.get_mut(number as usize) {
+                    Some(seen) if !*seen => *seen = true,
+                    Some(_) => {
+                        let reason = "has a sphere that is in a clump already; name it once";
+                        return Err(DemError::Clump { clump: index, reason });
+                    }
+                    None => return Err(DemError::NoSuchSphere { number, count }),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the members of each clump the masses of their materials: `factor` tells by how much that of
+    /// a sphere has changed, by the user's numbers.
+    pub(crate) fn scale_clumps(&mut self, factor: impl Fn(usize) -> f64) {
+        for clump in &mut self.clumps {
+            let first = clump.members.first().map_or(1.0, |&number| factor(number as usize));
+            clump.scale_mass(first);
+        }
     }
 
     /// The box, or with a periodic cell, around which spheres may lie anywhere, the box of both.

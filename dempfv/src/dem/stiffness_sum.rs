@@ -5,7 +5,7 @@ use crate::Vec3;
 
 /// The stiffness that a sphere's contacts put against its motion.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct StiffnessSum {
+pub(crate) struct StiffnessSum {
     /// Σ k_s.
     shear: f64,
     /// Σ (k_n − k_s) n⊗n.

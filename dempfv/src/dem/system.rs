@@ -8,17 +8,19 @@ use super::compiled::{CompiledLaw, compile};
 use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
-use super::integrate::{Loads, Step, advance};
+use super::held::Held;
+use super::integrate::{FluidLoads, Loads, Step, advance};
 use super::law::{ContactLaw, Linear, Losses, Needs};
 use super::ledger::{Ledger, MotionWork};
-use super::material::{Material, WallMaterial, finite, positive};
+use super::material::{Material, MaterialPair, WallMaterial, finite, positive};
+use super::motion::Motions;
 use super::neighbours::{Neighbours, check_inside};
 use super::particles::Particles;
 use super::pass::Forces;
 use super::pass_input::Input;
 use super::servo::WallResistance;
 use super::state::{ContactHistory, DemState};
-use super::stiffness_sum::StiffnessSum;
+use super::stiffness_pass::StiffnessScratch;
 use super::wall_pairs::WallSum;
 use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
 use crate::calls;
@@ -63,6 +65,7 @@ pub struct Dem {
     pub(super) options: DemOptions,
     pub(super) law: Box<dyn CompiledLaw>,
     pub(super) materials: Vec<Material>,
+    pub(super) pairs: Vec<MaterialPair>,
     pub(super) wall_material: WallMaterial,
     /// See [`DemState::pending_dt`].
     pub(super) pending_dt: f64,
@@ -80,13 +83,14 @@ pub struct Dem {
     pub(super) smallest_radius: f64,
     pub(super) softest: Material,
     pub(super) external: ExternalLoads,
+    /// Clumps and prescribed motions.
+    pub(super) held: Held,
     /// See [`Dem::track_energy`].
     pub(super) ledger: Option<Ledger>,
-    /// What forces did in the step, per block; empty where that is not tracked.
+    /// What forces did in the step, per sphere; empty where that is not tracked.
     pub(super) motion_work: Vec<MotionWork>,
-    /// Scratch of [`Dem::contact_time_step`]: stiffness of each sphere's
-    /// contacts, and rotational stiffness over r².
-    pub(super) stiffness: Vec<StiffnessSum>,
+    /// Scratch of [`Dem::contact_time_step`].
+    pub(super) stiffness: StiffnessScratch,
 }
 
 impl Dem {
@@ -145,15 +149,14 @@ impl Dem {
     pub fn standing(
         particles: Particles,
         box_: Aabb,
-        material: Material,
+        materials: &[Material],
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
         let state = Dem::state_at_rest(Linear.name(), particles, (box_, None))?;
-        material.check()?;
-        wall_material.check()?;
-        let law = compile(Linear, &[material], &wall_material);
-        let dem = Dem::unlisted(law, state, vec![material], wall_material, options)?;
+        check_materials(materials, &wall_material)?;
+        let law = compile(Linear, materials, &wall_material);
+        let dem = Dem::unlisted(law, state, materials.to_vec(), wall_material, options)?;
         check_inside(&dem.particles, &dem.walls)?;
         Ok(dem)
     }
@@ -174,6 +177,8 @@ impl Dem {
             wall_history: ContactHistory::default(),
             pending_dt: 0.0,
             bonds: 0,
+            clumps: vec![],
+            motions: Motions::default(),
             ledger: None,
         };
         // Nothing to reverse: there are no contacts yet.
@@ -211,11 +216,7 @@ impl Dem {
         if state.law != law.name() {
             return Err(DemError::Law { found: state.law, expected: law.name() });
         }
-        if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
-            return Err(DemError::NumberOfMaterials { found: materials.len() });
-        }
-        materials.iter().try_for_each(Material::check)?;
-        wall_material.check()?;
+        check_materials(materials, &wall_material)?;
         let law = compile(law, materials, &wall_material);
         Dem::assemble(law, state, materials.to_vec(), wall_material, options)
     }
@@ -249,7 +250,8 @@ impl Dem {
         }
         let mut list = Neighbours::new(law.history_length());
         list.load(&state)?;
-        let DemState { particles, walls, cell, pending_dt, bonds, ledger, .. } = state;
+        let DemState { particles, walls, cell, pending_dt, bonds, clumps, motions, ledger, .. } =
+            state;
         let centre = particles
             .position
             .iter()
@@ -262,6 +264,7 @@ impl Dem {
         }
         let mut dem = Dem {
             law,
+            held: Held::new(motions, clumps, &place),
             place,
             forces: Forces::default(),
             wall_sums: PerWall::default(),
@@ -272,13 +275,14 @@ impl Dem {
             external: ExternalLoads::default(),
             ledger,
             motion_work: vec![],
-            stiffness: vec![],
+            stiffness: StiffnessScratch::default(),
             particles,
             walls,
             cell,
             room_to_stray: 0.0,
             options,
             materials,
+            pairs: vec![],
             wall_material,
             pending_dt,
             bonds,
@@ -289,7 +293,7 @@ impl Dem {
         dem.forces.torque.resize(dem.particles.len(), Vec3::zeros());
         if ledger.is_some() {
             dem.forces.losses = vec![Losses::default(); block_count(dem.particles.len())];
-            dem.motion_work = vec![MotionWork::default(); block_count(dem.particles.len())];
+            dem.motion_work = vec![MotionWork::default(); dem.particles.len()];
         }
         dem.keep_in_cell(0.0);
         Ok(dem)
@@ -306,6 +310,8 @@ impl Dem {
             wall_history: self.list.wall_history(),
             pending_dt: self.pending_dt,
             bonds: self.bonds,
+            clumps: self.clumps().cloned().collect(),
+            motions: self.held.motions.kept(),
             ledger: self.ledger,
         }
     }
@@ -322,16 +328,19 @@ impl Dem {
         let law = self.law.clone_box();
         state.sort_spatially(law.history_length(), |history| law.reverse(history));
         let materials = std::mem::take(&mut self.materials);
+        let pairs = std::mem::take(&mut self.pairs);
         *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
+        self.pairs = pairs;
         Ok(())
     }
 
-    fn rebuild(&mut self) -> Result<(), DemError> {
+    pub(super) fn rebuild(&mut self) -> Result<(), DemError> {
         self.law.fit_cut_off(self.particles.radius.iter().copied().fold(0.0, f64::max));
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         let cell = self.cell.as_ref().map(PeriodicCell::cell);
+        let clumps = self.held.clumps.indices();
         calls::count(&calls::NEIGHBOUR_LISTS);
-        self.list.build(&self.particles, (&self.walls, cell), cut_off, skin)?;
+        self.list.build(&self.particles, (&self.walls, cell), (cut_off, skin), clumps)?;
         self.look_at_sizes();
         let end = self.list.bounds.last().copied().unwrap_or_default();
         self.forces.sent.clear();
@@ -378,6 +387,7 @@ impl Dem {
             for ((_, total), part) in self.wall_sums.iter_mut().zip(block.values()) {
                 total.force += part.force;
                 total.stiffness += part.stiffness;
+                total.dashpot += part.dashpot;
             }
         }
         self.cell_sum = CellSum::default();
@@ -403,15 +413,27 @@ impl Dem {
         fluid_force: Option<&[Vec3]>,
         fluid_wall_force: Option<&PerWall<Vec3>>,
     ) -> Result<(), DemError> {
+        let torque = None;
+        self.integrate_under(
+            dt,
+            FluidLoads { force: fluid_force, torque, on_walls: fluid_wall_force },
+        )
+    }
+
+    /// [`Dem::integrate`] with a fluid that turns the spheres, too.
+    pub(crate) fn integrate_under(&mut self, dt: f64, fluid: FluidLoads) -> Result<(), DemError> {
         positive("time step", dt)?;
-        if let Some(force) = fluid_force {
-            require_length("fluid force", force.len(), self.particles.len())?;
+        for (name, load) in [("fluid force", fluid.force), ("fluid torque", fluid.torque)] {
+            if let Some(load) = load {
+                require_length(name, load.len(), self.particles.len())?;
+            }
         }
-        let on_walls = fluid_wall_force.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
+        let on_walls = fluid.on_walls.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         let wall_velocity = self.walls.map(|wall| wall.velocity);
-        self.move_cell(dt, fluid_wall_force)?;
-        let turned = self.law.needs() == Needs::Torques || self.external.turns();
+        self.move_cell(dt, fluid.on_walls)?;
+        let turned =
+            self.law.needs() == Needs::Torques || self.external.turns() || fluid.torque.is_some();
         let step = Step {
             dt,
             last_dt: self.last_dt(dt),
@@ -422,11 +444,17 @@ impl Dem {
         let loads = Loads {
             force: &self.forces.force,
             torque: &self.forces.torque,
-            fluid: fluid_force,
+            fluid: fluid.force,
+            fluid_torque: fluid.torque,
             external: self.external.get(),
+            held: self.held.mask(),
         };
-        let work = &mut self.motion_work;
-        let farthest = advance(&mut self.particles, &mut self.centre, loads, step, work)?;
+        let (particles, centre, work) =
+            (&mut self.particles, &mut self.centre, &mut self.motion_work);
+        let mut farthest = advance(particles, centre, loads, step, work)?;
+        if !loads.held.is_empty() {
+            farthest = farthest.max(self.move_held(step, fluid)?);
+        }
         self.book_work(dt, &wall_velocity);
         self.external.clear();
         self.list.moved(farthest);
@@ -486,6 +514,11 @@ impl Dem {
     /// whose.
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// What pairs of materials have against each other: see [`Dem::set_materials`].
+    pub fn material_pairs(&self) -> &[MaterialPair] {
+        &self.pairs
     }
 
     /// What the walls are made of.
@@ -559,4 +592,13 @@ impl std::fmt::Debug for Dem {
             .field("options", &self.options)
             .finish_non_exhaustive()
     }
+}
+
+/// Refuses no material, too many, and what none can be.
+fn check_materials(materials: &[Material], walls: &WallMaterial) -> Result<(), DemError> {
+    if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
+        return Err(DemError::NumberOfMaterials { found: materials.len() });
+    }
+    materials.iter().try_for_each(Material::check)?;
+    walls.check()
 }

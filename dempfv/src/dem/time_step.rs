@@ -2,12 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::compiled::Surfaces;
+use super::cell_pass::CellPass;
 use super::contacts::Other;
 use super::error::DemError;
-use super::law::TwoSpheres;
 use super::material::positive;
-use super::stiffness_sum::StiffnessSum;
+use super::stiffness_pass::StiffnessInput;
 use super::system::Dem;
 use crate::Vec3;
 
@@ -31,27 +30,18 @@ impl Dem {
     /// without contacts; not a number where `safety` is not positive. One pass over the
     /// contacts; allocates in the first call only.
     pub fn contact_time_step(&mut self, safety: f64) -> Option<f64> {
-        let mut sums = std::mem::take(&mut self.stiffness);
-        sums.resize(self.particles.len(), StiffnessSum::default());
-        sums.fill(StiffnessSum::default());
-        for place in self.places() {
-            let stiffness = self.law.stiffness(&place.touch);
-            sums[place.i].add(stiffness, &place.normal);
-            if let Other::Sphere(j) = place.other {
-                sums[j].add(stiffness, &place.normal);
-            }
-        }
+        let pass = self.cell.as_ref().map(CellPass::new);
         let p = &self.particles;
-        // Largest k/m over spheres.
-        let mut fastest = 0.0f64;
-        for (sum, m) in sums.iter().zip(&p.mass) {
-            fastest = sum.fastest(*m, fastest);
-            if self.options.rotation {
-                // I = 2/5 m r², and both k_r and I have the factor r².
-                fastest = sum.fastest_rotation(0.4 * m, fastest);
-            }
-        }
-        self.stiffness = sums;
+        let input = StiffnessInput {
+            list: &self.list,
+            centre: &self.centre,
+            mass: &p.mass,
+            material: &p.material,
+            walls: &self.walls,
+            cell: pass.as_ref(),
+            rotation: self.options.rotation,
+        };
+        let fastest = self.law.fastest_held(input, &mut self.stiffness);
         (fastest > 0.0).then(|| share(safety) * (2.0 / fastest).sqrt())
     }
 
@@ -72,21 +62,8 @@ impl Dem {
     /// The largest k_n / m (1/s²) of a sphere in one contact with another of its size, of any
     /// material, struck as fast as any may be.
     fn lone_frequency2(&self) -> f64 {
-        let p = &self.particles;
         let impact2 = if self.law.stiffens() { self.fastest_impact2() } else { 0.0 };
-        // There are no more materials than an index can tell.
-        let partners = 0..self.materials.len() as u16;
-        let frequency2 = |i: usize| {
-            let r = p.radius[i];
-            let stiffness = |partner: u16| {
-                let surfaces = Surfaces::Spheres(TwoSpheres(r, r), [p.material_of(i), partner]);
-                // Two equal masses.
-                let energy = 0.25 * p.mass[i] * impact2;
-                self.law.stiffness(&self.law.expected(surfaces, r, energy)).normal
-            };
-            partners.clone().map(stiffness).fold(0.0, f64::max) / p.mass[i]
-        };
-        (0..p.len()).map(frequency2).fold(0.0, f64::max)
+        self.law.fastest_lone(&self.particles, impact2)
     }
 
     /// One dry step of [`Dem::safe_time_step`] at the contacts that it finds, without damping no

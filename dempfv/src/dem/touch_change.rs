@@ -20,11 +20,12 @@ impl<R: Radii> TouchChange<'_, R> {
     /// A force F(δ₀) acts over half the way of the steps before and after, ½ (δ₁ − δ₋₁). Of a
     /// contact that has just begun the part from δ₋₁ < 0 to 0 is spent on nothing; one that ends
     /// goes on pushing to δ₁ < 0. Shear that is left at the end, after half the slip of the step,
-    /// is lost to friction. Laws that act
-    /// across a gap book what they lose themselves.
+    /// is lost to friction. Dashpots act over half the last way. Laws that act
+    /// across a gap book what their springs lose themselves.
     pub fn book<L: ContactLaw>(&self, law: &L, parameters: &L::Parameters, losses: &mut Losses) {
         let TouchChange { radii, now, before, history, slip } = *self;
         let history = L::History::read(history);
+        losses.add(Loss::ContactDamping, -0.5 * law.viscous_force(&history).dot(&slip));
         let force = |overlap| law.force(parameters, radii, overlap, &history);
         if law.cut_off() > 0.0 {
             return;

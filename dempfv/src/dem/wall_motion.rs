@@ -36,7 +36,8 @@ impl Dem {
         let loads = PerWall::from_fn(|wall| {
             let axis = wall.axis();
             let force = self.wall_sums[wall].force[axis] + fluid.map_or(0.0, |f| f[wall][axis]);
-            let stiffness = self.wall_sums[wall].stiffness;
+            // A dashpot feels the shift of one step as a speed.
+            let stiffness = self.wall_sums[wall].stiffness + self.wall_sums[wall].dashpot / dt;
             let servo = matches!(self.walls[wall].control, WallControl::Servo { .. });
             let situation = WallSituation {
                 outward: -wall.inward() * force,

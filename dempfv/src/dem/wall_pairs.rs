@@ -30,6 +30,8 @@ pub(super) struct WallSum {
     pub force: Vec3,
     /// Normal stiffness (N/m).
     pub stiffness: f64,
+    /// Coefficient of the normal dashpots (N s/m).
+    pub dashpot: f64,
 }
 
 /// A batch of spheres on walls with the lanes of a law.
@@ -197,6 +199,7 @@ impl WallPairRange<'_> {
             let sum = &mut sums.0[wall];
             sum.force += force;
             sum.stiffness += law.stiffness(&parameters(l), radii, overlap).normal;
+            sum.dashpot += law.dashpot(&parameters(l), radii, overlap);
         }
     }
 }

@@ -74,7 +74,7 @@ pub struct Wall {
 pub(super) struct WallSituation {
     /// Force of spheres and fluid along the outward normal (N).
     pub outward: f64,
-    /// Normal stiffness of the contacts (N/m).
+    /// What the contacts put up against a shift in the step (N/m).
     pub stiffness: f64,
     /// What the fluid takes off the force per shift in the step (N/m).
     pub per_shift: f64,

@@ -11,10 +11,10 @@ use super::storage::Storage;
 use super::terms::{StepTerms, Terms};
 use super::{
     BuildTimes, Flow, Fluid, ImposedPressure, Network, NetworkConditions, Operators, PfvError,
-    ReusableAnalysis,
+    PoreConditions, ReusableAnalysis,
 };
 use crate::solver::{Backend, Factor, Solver, Symbolic};
-use crate::{Aabb, Vec3};
+use crate::{Aabb, Cell, Vec3};
 use crate::{Effect, EffectKey, Family};
 
 /// What this effect says of itself.
@@ -144,7 +144,9 @@ impl Assembled {
         let of_pores = conditions.apply(&mut network, position, radius, fluid)?;
         let storage = match terms.store() {
             true => {
-                Some(storage(&network, &Frame::new(position, radius, &bounds), &terms, time_step)?)
+                let mut void = vec![0.0; network.pores()];
+                network.write_void_volumes(&Frame::new(position, radius, &bounds), &mut void);
+                Some(storage(void, &terms, time_step)?)
             }
             false => None,
         };
@@ -156,6 +158,40 @@ impl Assembled {
             radius: radius.to_vec(),
             fluid: *fluid,
             conditions,
+            terms,
+            times,
+        })
+    }
+
+    /// Triangulates spheres in a periodic cell and builds the operators; see [`Network::in_cell`],
+    /// and [`Assembled::with_terms`] for the terms.
+    ///
+    /// # Errors
+    /// As [`Network::in_cell`] and [`Assembled::with_terms`].
+    pub fn in_cell(
+        position: &[Vec3],
+        radius: &[f64],
+        cell: &Cell,
+        fluid: &Fluid,
+        StepTerms { terms, time_step }: StepTerms,
+    ) -> Result<Assembled, PfvError> {
+        let terms = Terms::new(terms);
+        if terms.store() {
+            check_time_step(time_step)?;
+        }
+        let start = Instant::now();
+        let (network, derivatives) = Network::in_cell(position, radius, cell, fluid)?;
+        let conditions = PoreConditions::of_walls(&network, &fluid.boundary);
+        let void = network.periodic().filter(|_| terms.store()).map(|p| p.void.clone());
+        let storage = void.map(|void| storage(void, &terms, time_step)).transpose()?;
+        let operators = Operators::assemble(&network, derivatives, conditions, storage);
+        let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
+        Ok(Assembled {
+            network,
+            operators,
+            radius: radius.to_vec(),
+            fluid: *fluid,
+            conditions: NetworkConditions::default(),
             terms,
             times,
         })
@@ -188,15 +224,8 @@ impl Assembled {
 }
 
 /// What the pores of a network store.
-fn storage(
-    network: &Network,
-    frame: &Frame,
-    terms: &Terms,
-    time_step: f64,
-) -> Result<Storage, PfvError> {
-    let mut void = vec![0.0; network.pores()];
-    network.write_void_volumes(frame, &mut void);
-    let mut capacity = vec![0.0; network.pores()];
+fn storage(void: Vec<f64>, terms: &Terms, time_step: f64) -> Result<Storage, PfvError> {
+    let mut capacity = vec![0.0; void.len()];
     terms.write_capacity(&void, &mut capacity);
     match capacity.iter().position(|s| !(*s >= 0.0 && s.is_finite())) {
         None => Ok(Storage::new(void, capacity, time_step)),
@@ -292,6 +321,48 @@ impl Flow {
     ) -> Result<Flow, PfvError> {
         let assembled = Assembled::with_imposed(position, radius, bounds, fluid, imposed)?;
         assembled.analyze(solver, None)?.factor()
+    }
+
+    /// The flow between spheres in a periodic cell; see [`Network::in_cell`]. A mean pressure
+    /// gradient drives it ([`Flow::set_pressure_gradient`]). Where nothing stores fluid, pressures
+    /// are known but for a constant: one pore has zero.
+    ///
+    /// ```
+    /// use dempfv::pfv::{Boundary, Clamp, Flow, Fluid};
+    /// use dempfv::solver::SolverKind;
+    /// use dempfv::{Cell, Vec3};
+    ///
+    /// // Four by four by four spheres that touch, on a simple cubic lattice.
+    /// let place = |k: usize| Vec3::new((k % 4) as f64, (k / 4 % 4) as f64, (k / 16) as f64);
+    /// let x: Vec<Vec3> = (0..64).map(place).collect();
+    /// let fluid = Fluid {
+    ///     viscosity: 1e-3,
+    ///     slip_walls: true,
+    ///     clamp: Clamp::None,
+    ///     boundary: Boundary::default(),
+    /// };
+    /// let cell = Cell::of_size(Vec3::repeat(4.0))?;
+    /// let mut flow = Flow::in_cell(&x, &[0.5; 64], &cell, &fluid, SolverKind::default())?;
+    /// flow.set_pressure_gradient(Vec3::new(-1.0, 0.0, 0.0))?;
+    /// flow.solve_static()?;
+    /// // What the gradient puts on the whole cell the spheres carry.
+    /// let drag: Vec3 = flow.force().iter().sum();
+    /// assert!((drag - Vec3::new(64.0, 0.0, 0.0)).norm() < 1e-10);
+    /// assert!(flow.mean_velocity().is_some_and(|velocity| velocity.x > 0.0));
+    /// # Ok::<(), dempfv::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Network::in_cell`], and [`PfvError::Solver`] when the factorization fails.
+    pub fn in_cell(
+        position: &[Vec3],
+        radius: &[f64],
+        cell: &Cell,
+        fluid: &Fluid,
+        solver: impl Into<Solver>,
+    ) -> Result<Flow, PfvError> {
+        let terms = StepTerms::default();
+        Assembled::in_cell(position, radius, cell, fluid, terms)?.analyze(solver, None)?.factor()
     }
 
     /// As [`Flow::new`], in place of a flow that is no longer needed: its

@@ -99,6 +99,36 @@ pub enum PfvError {
         /// What they would have to swallow together (m³/s).
         rate: f64,
     },
+    /// An incompressible fluid cannot follow a periodic cell that changes its volume.
+    #[error(
+        "the periodic cell would have to swallow {rate:.3e} m³/s of an incompressible fluid that no wall lets \
+         in: deform it at constant volume, or give the fluid a bulk modulus"
+    )]
+    ClosedCell {
+        /// What it would have to swallow (m³/s).
+        rate: f64,
+    },
+    /// A pore reaches so far through a periodic cell that copies of it might meet.
+    #[error(
+        "the pore between the spheres {vertices} reaches through {:.0} % of the periodic cell along one of its \
+         edges; a flow needs pores narrower than half of it: take a larger cell, such as one of several copies",
+        100.0 * share
+    )]
+    WidePore {
+        /// Its vertices.
+        vertices: PoreVertices,
+        /// How far it reaches, over the edge (1).
+        share: f64,
+    },
+    /// The triangulation of a cell and its copies does not repeat itself.
+    #[error(
+        "the triangulation of {spheres} spheres in a periodic cell does not close: the pores between them are \
+         wider than the cell; take a larger cell, such as one of several copies"
+    )]
+    NotPeriodic {
+        /// Number of spheres in the cell.
+        spheres: usize,
+    },
     /// A pressure came out as NaN or infinite.
     #[error("the pressure of pore {pore} is not finite")]
     PressureNotFinite {
@@ -137,6 +167,7 @@ impl PfvError {
         }
         if let PfvError::BadPore { vertices, .. }
         | PfvError::NotFinite { vertices, .. }
+        | PfvError::WidePore { vertices, .. }
         | PfvError::SealedPores { vertices, .. } = &mut self
         {
             for vertex in &mut vertices.0 {

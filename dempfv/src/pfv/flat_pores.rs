@@ -54,13 +54,26 @@ impl FlatPores {
 
     /// Gives each the centre of a pore beside it, for vertices that have moved.
     pub fn place(&mut self, frame: &Frame, t: &Tessellation, center: &mut [Vec3]) {
+        self.place_across(frame, t, center, |_, _| Vec3::zeros());
+    }
+
+    /// The same in a periodic cell, where `shift` leads to the copy of the neighbour (m) that lies
+    /// across a facet of a pore.
+    pub fn place_across(
+        &mut self,
+        frame: &Frame,
+        t: &Tessellation,
+        center: &mut [Vec3],
+        shift: impl Fn(u32, usize) -> Vec3,
+    ) {
         for pore in &mut self.pores {
             pore.side = sides(frame, t.cells[pore.number as usize]).unwrap_or_default();
         }
         for pore in self.pores.iter().filter(|pore| pore.side != [0.0; 4]) {
-            let beside = [-1.0, 1.0].into_iter().find_map(|side| self.beside(pore, side, t));
-            if let Some(beside) = beside {
-                center[pore.number as usize] = center[beside as usize];
+            let beside =
+                [-1.0, 1.0].into_iter().find_map(|side| self.beside(pore, side, t, &shift));
+            if let Some((beside, shift)) = beside {
+                center[pore.number as usize] = center[beside as usize] + shift;
             }
         }
     }
@@ -70,18 +83,25 @@ impl FlatPores {
         self.pores.iter().map(|pore| pore.number as usize)
     }
 
-    /// The first pore on one side that is not flat.
-    fn beside(&self, pore: &FlatPore, side: f64, t: &Tessellation) -> Option<u32> {
-        let mut pore = pore;
+    /// The first pore on one side that is not flat, and the way to the copy that is meant (m).
+    fn beside(
+        &self,
+        pore: &FlatPore,
+        side: f64,
+        t: &Tessellation,
+        shift: &impl Fn(u32, usize) -> Vec3,
+    ) -> Option<(u32, Vec3)> {
+        let (mut pore, mut way) = (pore, Vec3::zeros());
         for _ in 0..MOST_STACKED {
-            let around = t.neighbors[pore.number as usize].into_iter().zip(pore.side);
-            let mut around = around.filter(|(j, s)| *j != NONE && *s == side).map(|(j, _)| j);
+            let neighbors = t.neighbors[pore.number as usize];
+            let mut around = (0..4).filter(|&k| neighbors[k] != NONE && pore.side[k] == side);
             let first = around.next()?;
-            if let Some(j) = std::iter::once(first).chain(around).find(|&j| self.flat(j).is_none())
-            {
-                return Some(j);
+            let mut all = std::iter::once(first).chain(around);
+            if let Some(k) = all.find(|&k| self.flat(neighbors[k]).is_none()) {
+                return Some((neighbors[k], way + shift(pore.number, k)));
             }
-            pore = self.flat(first)?;
+            way += shift(pore.number, first);
+            pore = self.flat(neighbors[first])?;
         }
         None
     }

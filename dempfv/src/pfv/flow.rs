@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::extrapolation::Extrapolation;
 use super::geometry_update::{GeometryDegradation, GeometryUpdate};
+use super::gradient_load::GradientLoad;
 use super::packing_check::{check_tolerance, require_finite, require_length};
 use super::pore_pressures::PorePressures;
 use super::pressure_solver::{PressureProblem, PressureSolver};
@@ -12,7 +13,7 @@ use super::{
     BuildTimes, Fluid, ImposedPressure, Network, NetworkConditions, NetworkRemarks, Operators,
     PfvError, ReusableAnalysis, TransferSource,
 };
-use crate::parallel::SERIAL;
+use crate::parallel::{SERIAL, for_each};
 use crate::solver::{Factor, Iterations, Placement, Solver};
 use crate::{Aabb, Vec3, WallId};
 
@@ -68,6 +69,8 @@ pub struct Flow {
     pub(super) weight: Vec3,
     /// What it lifts each sphere by (N); empty without weight.
     pub(super) buoyancy: Vec<Vec3>,
+    /// The mean pressure gradient in a periodic cell.
+    pub(super) gradient: GradientLoad,
 }
 
 /// What a flow is made of.
@@ -132,6 +135,7 @@ impl Flow {
             stale_imposed: false,
             weight: Vec3::zeros(),
             buoyancy: vec![],
+            gradient: GradientLoad::default(),
             radius,
             network,
             operators,
@@ -268,6 +272,24 @@ impl Flow {
         Ok(())
     }
 
+    /// The same in a periodic cell whose volume grows by so much of itself in a second (1/s), with the
+    /// spheres' velocities relative to its mean field.
+    ///
+    /// # Errors
+    /// As [`Flow::update_volume_rate`].
+    pub fn update_volume_rate_in_cell(
+        &mut self,
+        velocity: &[Vec3],
+        dilation: f64,
+    ) -> Result<(), PfvError> {
+        self.update_volume_rate(velocity, &[0.0; 6])?;
+        if dilation != 0.0 {
+            let volume = &self.network.volume;
+            for_each(&mut self.volume_rate, &|i, rate| *rate += dilation * volume[i]);
+        }
+        Ok(())
+    }
+
     /// Second third of [`Flow::solve`]: `G p = -V̇ + Q`, solved for the change
     /// from what the last pressures predict: `G δ = -V̇ + Q - G p`, with the right-hand
     /// side evaluated throat by throat.
@@ -291,6 +313,7 @@ impl Flow {
             pressures,
             solver,
             stale_imposed,
+            gradient,
             ..
         } = self;
         if let Some(storage) = &mut operators.storage {
@@ -300,10 +323,12 @@ impl Flow {
             operators.write_imposed(pressures.reference, &mut pressures.relative);
         }
         let demand = terms.demand(volume_rate);
-        operators.sealed_pores().check(network, demand)?;
+        operators.sealed_pores().check(network, demand, gradient.through)?;
         let PorePressures { reference, relative: pressure, .. } = pressures;
         let reference = *reference;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
+        let least = gradient.through;
+        let problem =
+            PressureProblem { operators, demand, least, extrapolation, pressure, reference };
         let solved = if operators.unknowns() < SERIAL {
             solver.solve(problem)
         } else {
@@ -337,6 +362,7 @@ impl Flow {
             solver,
             geometry,
             stale_imposed,
+            gradient,
             ..
         } = self;
         if let Some(storage) = &mut operators.storage {
@@ -346,10 +372,12 @@ impl Flow {
             operators.write_imposed(pressures.reference, &mut pressures.relative);
         }
         let demand = terms.demand(volume_rate);
-        operators.sealed_pores().check(network, demand)?;
+        operators.sealed_pores().check(network, demand, gradient.through)?;
         let PorePressures { reference, relative: pressure, .. } = pressures;
         let reference = *reference;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
+        let least = gradient.through;
+        let problem =
+            PressureProblem { operators, demand, least, extrapolation, pressure, reference };
         let weakened = geometry.as_ref().map_or(&[][..], |g| g.weakened());
         let iterations = solver.iterate(problem, weakened, tolerance);
         terms.settle(operators.storage(), &pressures.relative);
@@ -360,12 +388,14 @@ impl Flow {
     /// Last third of [`Flow::solve`]: `f = F p`, and buoyancy where the fluid has weight
     /// ([`Flow::set_weight`]).
     pub fn update_force(&mut self) {
-        let Flow { network, operators, pressures, force, wall_force, buoyancy, .. } = self;
+        let Flow { network, operators, pressures, force, wall_force, buoyancy, gradient, .. } =
+            self;
         operators.evaluate_forces(&pressures.relative, force, wall_force);
         pressures.push_walls(&network.bounds, wall_force);
         for (force, buoyancy) in force.iter_mut().zip(&*buoyancy) {
             *force += buoyancy;
         }
+        gradient.add_to(force);
     }
 
     /// Moves the spheres to `position` (m) and the walls to `bounds`: centres,
@@ -546,7 +576,11 @@ impl Flow {
     pub fn remarks(&self) -> NetworkRemarks {
         let sealed = self.operators.sealed_pores();
         NetworkRemarks {
-            sealed_pores: sealed.in_groups() as u32,
+            sealed_pores: match self.network.periodic() {
+                None => sealed.in_groups() as u32,
+                // Most pores of a cell are one group, which nothing seals.
+                Some(_) => sealed.beside_largest() as u32,
+            },
             drained_pores: sealed.drained() as u32,
             filled_pores: sealed.filled.len() as u32,
             contested_pores: self.operators.conditions().contested(),

@@ -22,6 +22,11 @@ impl Fluid {
     /// Which walls drag.
     pub(super) fn throat_rules(&self) -> ThroatRules {
         let open = self.boundary.pressure.0.map(|p| p.is_some());
-        ThroatRules { slip: self.slip_walls, open, limited: self.clamp.is_limited() }
+        ThroatRules {
+            slip: self.slip_walls,
+            open,
+            limited: self.clamp.is_limited(),
+            balanced: false,
+        }
     }
 }

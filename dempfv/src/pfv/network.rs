@@ -11,7 +11,7 @@ use super::pore::Pore;
 use super::pore_batch::PoreBatch;
 use super::throat::{Throat, ThroatLimit, ThroatRules, throat};
 use super::throat_batch::ThroatBatch;
-use super::{Fluid, NONE, NetworkRemarks, PfvError, Tessellation};
+use super::{Fluid, NONE, NetworkRemarks, PeriodicNetwork, PfvError, Tessellation};
 use crate::parallel::{TASK, runs};
 use crate::{Aabb, Vec3};
 
@@ -55,6 +55,7 @@ pub struct Network {
     pub(super) flat: FlatPores,
     /// Where conductances are not what the geometry says.
     pub(super) conductances: Option<Box<Conductances>>,
+    pub(super) periodic: Option<Box<PeriodicNetwork>>,
 }
 
 /// What operators are made of, and nothing else needs: 200 bytes a pore.
@@ -110,6 +111,7 @@ impl Network {
             filled,
             flat,
             conductances: None,
+            periodic: None,
             bounds,
             viscosity: fluid.viscosity,
             center,
@@ -154,6 +156,10 @@ impl Network {
     pub(super) fn check_vertices(&self, position: &[Vec3], bounds: &Aabb) -> Result<(), PfvError> {
         require_length("position", position.len(), self.tessellation.spheres, "spheres")?;
         require_finite("position", position)?;
+        if self.periodic.is_some() {
+            let problem = "is given for a network in a periodic cell, which has none".to_owned();
+            return Err(PfvError::InvalidInput { argument: "bounds", index: None, problem });
+        }
         check_box(bounds)
     }
 
@@ -169,16 +175,16 @@ impl Network {
 }
 
 /// The pores, in the coordinates of the frame.
-struct Pores {
-    center: Vec<Vec3>,
-    volume: Vec<f64>,
-    gradient: Vec<[Vec3; 4]>,
+pub(super) struct Pores {
+    pub center: Vec<Vec3>,
+    pub volume: Vec<f64>,
+    pub gradient: Vec<[Vec3; 4]>,
 }
 
 /// A pore is flat below this share of the volume that its facets would span upright.
 const FLAT_VOLUME: f64 = 1e-10;
 
-fn remarks(t: &Tessellation, pores: &Pores, throats: &[Throat]) -> NetworkRemarks {
+pub(super) fn remarks(t: &Tessellation, pores: &Pores, throats: &[Throat]) -> NetworkRemarks {
     let limited = |limit: ThroatLimit| {
         throats.par_iter().with_min_len(TASK).filter(|t| t.limit == limit).count() as u32
     };
@@ -207,7 +213,7 @@ fn remarks(t: &Tessellation, pores: &Pores, throats: &[Throat]) -> NetworkRemark
 }
 
 /// Pores without an open throat whose centre no sphere leaves free.
-fn filled_pores(
+pub(super) fn filled_pores(
     frame: &Frame,
     t: &Tessellation,
     center: &[Vec3],
@@ -244,7 +250,7 @@ impl ThroatSite {
     }
 }
 
-fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
+pub(super) fn evaluate_pores(frame: &Frame, t: &Tessellation) -> Result<Pores, PfvError> {
     let blocks = t.cells.par_chunks(LANES).map(|cells| pores_at(frame, cells));
     let (center, (volume, gradient)): (Vec<_>, (Vec<_>, Vec<_>)) = blocks.unzip();
     let mut pores = Pores {
@@ -353,7 +359,7 @@ fn index_of(wanted: u32, among: [u32; 4]) -> usize {
     (1..4).map(|k| if among[k] == wanted { k } else { 0 }).sum()
 }
 
-fn evaluate_throats(
+pub(super) fn evaluate_throats(
     frame: &Frame,
     t: &Tessellation,
     center: &[Vec3],
@@ -405,7 +411,7 @@ pub(super) fn throats_at(
     out
 }
 
-fn conductances(throats: &[Throat], fluid: &Fluid) -> Vec<f64> {
+pub(super) fn conductances(throats: &[Throat], fluid: &Fluid) -> Vec<f64> {
     let bounds = fluid.clamp.bounds(throats, fluid.viscosity);
     throats.par_iter().map(|t| bounded(t.conductance(fluid.viscosity), bounds)).collect()
 }
@@ -422,7 +428,7 @@ pub(super) fn bounded(g: f64, (low, high): (f64, f64)) -> f64 {
     }
 }
 
-fn check_finite(
+pub(super) fn check_finite(
     t: &Tessellation,
     sites: &[ThroatSite],
     conductance: &[f64],
@@ -440,7 +446,7 @@ fn check_finite(
     }
 }
 
-fn force_coefficients(
+pub(super) fn force_coefficients(
     t: &Tessellation,
     sites: &[ThroatSite],
     throats: &[Throat],

@@ -91,6 +91,11 @@ impl NetVolumeRate {
         NetVolumeRate { least, ..self }
     }
 
+    /// The flow (m³/s) that it is measured by at least.
+    pub fn least(self) -> f64 {
+        self.least
+    }
+
     /// See [`Operators::imbalance`], for the flux from each set.
     pub fn imbalance(self, flux: &[f64]) -> f64 {
         let (net, through) = flux.iter().fold((0.0, 0.0f64), |(n, t), q| (n + q, t + q.abs()));

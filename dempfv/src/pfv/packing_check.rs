@@ -1,7 +1,7 @@
 //! Refuses what no network can be built of or follow, before anything is computed.
 
 use super::{Fluid, PfvError};
-use crate::{Aabb, Vec3};
+use crate::{Aabb, Cell, Vec3};
 
 /// Distance of neighbouring coordinates over the smallest radius up to which a network has digits
 /// enough: pores are a tenth of a radius wide and less.
@@ -41,6 +41,43 @@ pub(super) fn check_packing(
     }
     check_scale(radius, bounds)?;
     check_fluid(fluid)?;
+    let smallest = radius.iter().copied().fold(f64::INFINITY, f64::min);
+    check_conductances(smallest, bounds.size().max(), fluid.viscosity)
+}
+
+/// Checks sphere centres, radii, a periodic cell and the fluid.
+pub(super) fn check_packing_in_cell(
+    position: &[Vec3],
+    radius: &[f64],
+    cell: &Cell,
+    fluid: &Fluid,
+) -> Result<(), PfvError> {
+    let bounds = cell.bounds();
+    check_box(&bounds)?;
+    require_length("radius", radius.len(), position.len(), "positions")?;
+    require_finite("position", position)?;
+    if position.is_empty() {
+        return Err(PfvError::NoSpheres);
+    }
+    if let Some(index) = radius.iter().position(|r| !is_positive(*r)) {
+        let problem = format!("{} is not a positive length", radius[index]);
+        return Err(PfvError::invalid("radius", index, problem));
+    }
+    check_scale(radius, &bounds)?;
+    let lost = |x: &Vec3, r: &f64| x.amax() * f64::EPSILON > SPACING_PER_RADIUS * r;
+    if let Some(index) = position.iter().zip(radius).position(|(x, r)| lost(x, r)) {
+        let [x, y, z] = position[index].into();
+        let problem = format!(
+            "({x:e}, {y:e}, {z:e}) is so far from the cell that double precision has no digits left for the \
+             pores; give a copy that is nearer"
+        );
+        return Err(PfvError::invalid("position", index, problem));
+    }
+    check_fluid(fluid)?;
+    if let Some((wall, _)) = fluid.boundary.pressure.iter().find(|(_, p)| p.is_some()) {
+        let problem = "there are no walls in a periodic cell; impose a pressure gradient";
+        return Err(PfvError::invalid("fluid.boundary.pressure", wall.index(), problem));
+    }
     let smallest = radius.iter().copied().fold(f64::INFINITY, f64::min);
     check_conductances(smallest, bounds.size().max(), fluid.viscosity)
 }

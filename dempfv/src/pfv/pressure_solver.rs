@@ -67,6 +67,8 @@ pub(super) struct PressureProblem<'a> {
     pub operators: &'a Operators,
     /// What the throats of each pore must bring (m³/s): its growth, and what terms take up.
     pub demand: &'a [f64],
+    /// Less flow than this (m³/s) counts as so much.
+    pub least: f64,
     /// Of the unknowns, with what came before.
     pub extrapolation: &'a mut Extrapolation,
     /// Of all pores (Pa, above the reference).
@@ -119,9 +121,10 @@ impl PressureSolver {
     /// until the tolerance holds.
     pub fn solve(&mut self, problem: PressureProblem) -> Result<(), PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
+        let PressureProblem { operators, demand, least, extrapolation, pressure, reference } =
+            problem;
         extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
-        let net_rate = NetVolumeRate::of(demand);
+        let net_rate = NetVolumeRate::of(demand).at_least(least);
         let gain_is_due = extrapolation.gain_is_due();
         let mut balance = Balance { net_rate, flux: &mut self.flux, taken: &mut self.taken };
         let Some(factor) = self.factor.as_deref_mut() else {
@@ -132,7 +135,8 @@ impl PressureSolver {
             return Ok(());
         };
         self.statistics.unmet = None;
-        let problem = PressureProblem { operators, demand, extrapolation, pressure, reference };
+        let problem =
+            PressureProblem { operators, demand, least, extrapolation, pressure, reference };
         let mut refined = RefinedPressures {
             factor,
             problem,
@@ -179,7 +183,8 @@ impl PressureSolver {
         tolerance: f64,
     ) -> Result<Iterations, PfvError> {
         self.statistics.solved = false;
-        let PressureProblem { operators, demand, extrapolation, pressure, reference } = problem;
+        let PressureProblem { operators, demand, least, extrapolation, pressure, reference } =
+            problem;
         let mut went = Iterations::default();
         if let Some(factor) = self.factor.as_deref_mut() {
             extrapolation.predict(&mut self.replaced, &operators.pore_of, pressure);
@@ -196,7 +201,7 @@ impl PressureSolver {
         }
         extrapolation.solved();
         operators.evaluate_pressures(&extrapolation.now, reference, pressure);
-        let net_rate = NetVolumeRate::of(demand);
+        let net_rate = NetVolumeRate::of(demand).at_least(least);
         let mut balance = Balance { net_rate, flux: &mut self.flux, taken: &mut self.taken };
         self.statistics.imbalance = balance.imbalance(operators, demand, pressure);
         check_finite(pressure)?;
@@ -278,7 +283,8 @@ impl Balance<'_> {
         storage.add_uptake(pressure, self.taken);
         operators.evaluate_flux(pressure, self.taken, self.flux);
         let resolved = RESOLVED_SHARE * storage.refill(pressure);
-        NetVolumeRate::of(self.taken).at_least(resolved).imbalance(self.flux)
+        let least = self.net_rate.least().max(resolved);
+        NetVolumeRate::of(self.taken).at_least(least).imbalance(self.flux)
     }
 }
 

@@ -70,6 +70,11 @@ impl SealedPores {
         self.groups.iter().map(Vec::len).sum()
     }
 
+    /// Number of pores in all groups but the largest.
+    pub(super) fn beside_largest(&self) -> usize {
+        self.in_groups() - self.groups.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
     /// Number of pores of groups that are drained.
     pub fn drained(&self) -> usize {
         if self.rule == SealedPoreRule::Drained { self.in_groups() } else { 0 }
@@ -83,16 +88,25 @@ impl SealedPores {
         of_groups.chain(&self.filled).chain(&self.blocked).copied()
     }
 
-    /// Refuses what a group of sealed pores cannot swallow (m³/s).
+    /// Refuses what a group of sealed pores cannot swallow (m³/s), measured by no less than a flow of
+    /// `least` (m³/s).
     ///
     /// # Errors
     /// [`PfvError::SealedPores`] names the group.
-    pub(super) fn check(&self, network: &Network, demand: &[f64]) -> Result<(), PfvError> {
+    pub(super) fn check(
+        &self,
+        network: &Network,
+        demand: &[f64],
+        least: f64,
+    ) -> Result<(), PfvError> {
         let closed = self.groups.iter().filter(|_| self.rule == SealedPoreRule::Closed);
         for group in closed {
             let rates = || group.iter().map(|&pore| demand[pore as usize]);
             let (net, moved) = (rates().sum::<f64>(), rates().map(f64::abs).sum::<f64>());
-            if net.abs() > BALANCED * moved {
+            if net.abs() > BALANCED * moved.max(least) {
+                if network.periodic().is_some() && 2 * group.len() > network.pores() {
+                    return Err(PfvError::ClosedCell { rate: net });
+                }
                 let pore = group[0];
                 let vertices = network.tessellation.vertices_of(pore);
                 return Err(PfvError::SealedPores {

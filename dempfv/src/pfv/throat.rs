@@ -64,6 +64,10 @@ pub(super) struct ThroatRules {
     pub open: [bool; 6],
     /// Throats keep the limits that geometry sets.
     pub limited: bool,
+    /// What is pushed and what is passed make up each facet, also where a sphere reaches past the
+    /// opposite edge (where the formulas count the segment beyond it as pushed, too): in a periodic
+    /// cell the forces of a mean gradient then add up to what it puts on the whole volume.
+    pub balanced: bool,
 }
 
 impl ThroatRules {
@@ -148,7 +152,7 @@ pub(super) fn throat(
     let area = facet.area_vector.norm();
     let apart = (p1 - p2).norm();
     let Shares { fluid: fluid_area, spheres, mut limit } = match rules.limited {
-        true => facet.shares(frame, area),
+        true => facet.shares(frame, area, rules.balanced),
         false => facet.formula_shares(frame, area),
     };
     let mut fluid_volume = facet.area_vector.dot(&(p1 - p2)).abs() / 3.0 - solid_volume;
@@ -359,7 +363,7 @@ impl Facet {
     }
 
     /// The fluid's area and each sphere's: their sectors, unless these overlap too much.
-    fn shares(&self, frame: &Frame, area: f64) -> Shares {
+    fn shares(&self, frame: &Frame, area: f64, balanced: bool) -> Shares {
         let sectors = self.sectors();
         let reached = self.overlap(frame);
         let fluid = area - sectors.iter().sum::<f64>() + reached;
@@ -367,17 +371,22 @@ impl Facet {
             return Shares { fluid, spheres: sectors, limit: ThroatLimit::None };
         }
         let OpenArea { open, covered } = self.open_area(frame);
-        if 0.5 * open <= fluid && fluid <= (1.0 + SAME_AREA) * open {
+        let holds = 0.5 * open <= fluid && fluid <= (1.0 + SAME_AREA) * open;
+        if holds && !(balanced && reached > 0.0) {
             return Shares { fluid, spheres: sectors, limit: ThroatLimit::None };
         }
-        let fluid = fluid.clamp(0.5 * open, open);
+        let fluid = if holds { fluid } else { fluid.clamp(0.5 * open, open) };
         // What is pushed and what is passed make up the facet.
         let scale = if area > open { (area - fluid) / (area - open) } else { 0.0 };
         let mut spheres = [0.0; 3];
         for (s, covered) in covered.into_iter().enumerate().take(self.spheres) {
             spheres[self.sphere[s].0] = scale * covered;
         }
-        let limit = if open > 0.0 { ThroatLimit::Overlap } else { ThroatLimit::Closed };
+        let limit = match open > 0.0 {
+            true if holds => ThroatLimit::None,
+            true => ThroatLimit::Overlap,
+            false => ThroatLimit::Closed,
+        };
         Shares { fluid, spheres, limit }
     }
 

@@ -238,7 +238,8 @@ mod tests {
     use super::super::throat::throat;
     use super::*;
 
-    const RULES: ThroatRules = ThroatRules { slip: true, open: [false; 6], limited: true };
+    const RULES: ThroatRules =
+        ThroatRules { slip: true, open: [false; 6], limited: true, balanced: false };
 
     fn random(state: &mut u64) -> f64 {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

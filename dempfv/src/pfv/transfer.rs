@@ -1,10 +1,11 @@
 //! Pressures of one network for the pores of another of the same spheres.
 
 use super::operators::Incidence;
+use super::periodic::nearest as nearest_copy;
 use super::pore_pressures::PorePressures;
 use super::{Network, Operators};
-use crate::Vec3;
 use crate::parallel::for_each;
+use crate::{Cell, Vec3};
 
 /// The pressures of a network that has been replaced.
 ///
@@ -16,6 +17,8 @@ pub struct TransferSource {
     spheres: usize,
     cells: Vec<[u32; 4]>,
     center: Vec<Vec3>,
+    /// Where there is one: any copies of two pores are as near as the nearest two.
+    cell: Option<Cell>,
     pressures: PorePressures,
     around: Incidence,
     /// What the pores stored above the reference (m³), and would per unit of pressure (m³/Pa), where
@@ -30,11 +33,12 @@ impl TransferSource {
         pressures: PorePressures,
         content: Option<(f64, f64)>,
     ) -> TransferSource {
-        let Network { tessellation, center, .. } = network;
+        let Network { tessellation, center, periodic, .. } = network;
         TransferSource {
             spheres: tessellation.spheres,
             cells: tessellation.cells,
             center,
+            cell: periodic.map(|periodic| periodic.cell),
             pressures,
             around,
             content,
@@ -82,7 +86,11 @@ impl TransferSource {
         }
         let nearest = |pores: &mut dyn Iterator<Item = usize>| {
             pores.fold(None, |best: Option<(usize, f64)>, old| {
-                let d2 = (self.center[old] - center).norm_squared();
+                let mut way = self.center[old] - center;
+                if let Some(cell) = &self.cell {
+                    way = nearest_copy(&way, cell);
+                }
+                let d2 = way.norm_squared();
                 if best.is_none_or(|(_, least)| d2 < least) { Some((old, d2)) } else { best }
             })
         };

@@ -30,7 +30,11 @@ impl Network {
 
     /// The same of spheres that are known to fit, with the volumes of the moment.
     pub(super) fn write_void_volumes(&self, frame: &Frame, void: &mut [f64]) {
-        let cells = &self.tessellation.cells;
+        self.write_voids_of(frame, &self.tessellation.cells, void);
+    }
+
+    /// The same of pores with these vertices in the frame.
+    pub(super) fn write_voids_of(&self, frame: &Frame, cells: &[[u32; 4]], void: &mut [f64]) {
         for_each(void, &|i, void| {
             let left = self.volume[i] - solid(frame, cells[i]);
             *void = if self.is_filled(i) { 0.0 } else { left.max(0.0) };

@@ -3,14 +3,15 @@
 use serde::Serialize;
 
 use super::keys::{Keyed, Keys};
-use super::kind::{Kind, Maybe, number, quoted};
+use super::kind::{Maybe, number};
 use super::schema::Schema;
-use super::stage::{Stage, StageKind};
-use super::table::{Bound, Value};
+use super::stage::{Stage, StageKind, StageName, begins_with};
+use super::table::Bound;
 use super::wrong::Wrong;
 use crate::Effect;
 use crate::dem::effects::BONDS;
 use crate::dem::law;
+use crate::excerpt::Brief;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -36,23 +37,6 @@ impl Default for Bonds {
     }
 }
 
-/// The name of a stage.
-struct StageName;
-
-impl Kind<String> for StageName {
-    fn read(&self, value: &Value) -> Result<String> {
-        value.text("the name of a stage").map(str::to_owned)
-    }
-
-    fn wrong(&self, _: &String) -> Option<Wrong> {
-        None
-    }
-
-    fn write(&self, name: &String) -> Option<String> {
-        Some(quoted(name))
-    }
-}
-
 /// Tension over the modulus from which on a bond would stretch by a third of a radius.
 const MOST_TENSION: f64 = 0.1;
 
@@ -74,16 +58,17 @@ impl Keyed for Bonds {
 impl Bonds {
     /// Whether this stage begins with making the bonds.
     pub(crate) fn begin_with(&self, stage: &str, is_first: bool) -> bool {
-        self.from.as_ref().map_or(is_first, |from| from == stage)
+        begins_with(self.from.as_deref(), stage, is_first)
     }
 
     /// What is wrong between the bonds, the modulus of the spheres (Pa) and the stages.
     pub(super) fn wrong_in(&self, young: f64, stages: &[Stage]) -> Option<Wrong> {
         if self.strength.tension > MOST_TENSION * young {
             let problem = format!(
-                "has a tension of {} Pa for a modulus of {young} Pa: a bond would stretch by a third of a \
-                 radius before it breaks",
-                self.strength.tension
+                "has a tension of {} Pa for a modulus of {} Pa: a bond would stretch by a third of a radius \
+                 before it breaks",
+                Brief(self.strength.tension),
+                Brief(young)
             );
             return Some(Wrong::new(problem, "give a tenth of `young` in [particles] at most"));
         }

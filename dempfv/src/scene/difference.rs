@@ -16,6 +16,9 @@ pub struct Difference {
     pub now: Option<String>,
 }
 
+/// Tables that a scene may have several of, without names.
+const LISTED: [&str; 3] = ["material", "motion", "pair"];
+
 impl Difference {
     /// Whether it stands at these keys or below them.
     pub fn is_in(&self, keys: &[&str]) -> bool {
@@ -50,6 +53,10 @@ impl Difference {
             [stage, name] if stage == "stage" => format!("stage \"{name}\""),
             [stage, name, keys @ ..] if stage == "stage" => {
                 format!("`{}` in stage \"{name}\"", keys.join("."))
+            }
+            [table, place] if LISTED.contains(&table.as_str()) => format!("[[{table}]] {place}"),
+            [table, place, keys @ ..] if LISTED.contains(&table.as_str()) => {
+                format!("`{}` in [[{table}]] {place}", keys.join("."))
             }
             [table, keys @ ..] if !keys.is_empty() => {
                 format!("`{}` in [{table}]", keys.join("."))
@@ -120,6 +127,8 @@ impl Comparison<'_> {
         self.path.push(key.to_owned());
         if self.path == ["stage"] {
             self.stages(first, second);
+        } else if LISTED.contains(&key) && self.path.len() == 1 {
+            self.listed(items(first), items(second));
         } else {
             self.values(first, second);
         }
@@ -150,6 +159,15 @@ impl Comparison<'_> {
         in_walls && !first.keys().eq(second.keys())
     }
 
+    /// Tables of an array, told apart by their places.
+    fn listed(&mut self, first: &[Spanned<DeValue>], second: &[Spanned<DeValue>]) {
+        for place in 0..first.len().max(second.len()) {
+            self.path.push((place + 1).to_string());
+            self.values(first.get(place), second.get(place));
+            self.path.pop();
+        }
+    }
+
     fn stages(&mut self, first: Found, second: Found) {
         let (first, second) = (items(first), items(second));
         let (before, now) = (order(first, second), order(second, first));
@@ -175,6 +193,7 @@ impl Comparison<'_> {
         let kind = table(value).and_then(|t| t.get("kind")?.get_ref().as_str());
         Some(match (self.path.len(), kind) {
             (1, _) if value.get_ref().is_table() => "given".to_owned(),
+            (2, None) if LISTED.contains(&self.path[0].as_str()) => "given".to_owned(),
             (2, Some(kind)) => format!("a {kind} stage"),
             _ => self.texts[scene].get(value.span()).unwrap_or_default().to_owned(),
         })

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::fluid_conditions;
 use super::keys::{Keyed, Keys};
-use super::kind::{Count, Flag, Kind, Maybe, OneOf, number, quoted};
+use super::kind::{Count, Flag, Kind, Maybe, OneOf, Vector, number, quoted};
+use super::lubrication;
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
 use super::wall_pressure::{AtWall, WallPressure, wrong_profile};
@@ -20,9 +21,9 @@ use crate::domain::{Aabb, PerWall, WallId};
 use crate::input::InputError;
 use crate::pfv::effects::{
     BLOCKED, BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, DARCY, FACTORS, FLUID_FORCES, PORE_FLOW,
-    PROFILES, SOURCES, WALL_SLIP,
+    PRESSURE_GRADIENT, PROFILES, SOURCES, WALL_SLIP,
 };
-use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
+use crate::pfv::{self, Boundary, Clamp, ConductanceRules, SealedPoreRule};
 use crate::solver::SolverKind;
 use crate::{Effect, TimeFunction};
 
@@ -57,6 +58,14 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "conductance_factor",
         "conductance_regions",
         "blocked",
+        "pressure_gradient",
+        "viscous_shear",
+        "normal_lubrication",
+        "shear_lubrication",
+        "pump_torque",
+        "twist_torque",
+        "eps",
+        "lubrication_stiffness",
     ],
 );
 pub(super) static PRESSURE: Schema = Schema::by_wall("`pressure`");
@@ -150,6 +159,8 @@ impl Keyed for Fluid {
         let clamped = fluid.clamp != Clamp::None;
         let darcy = effects.conductances.darcy_permeability.is_some();
         keys.rule("darcy_permeability", (darcy && clamped).then(darcy_beside_clamp))?;
+        keys.take("pressure_gradient", &Maybe(Vector("Pa/m")), &mut effects.pressure_gradient)?;
+        lubrication::keys(keys, &mut effects.edges)?;
         match keys {
             Keys::Read(table) => check_no_flow(table, &fluid.boundary),
             Keys::Check(_) | Keys::Write(_) => Ok(()),
@@ -358,6 +369,42 @@ impl Fluid {
         bounds.and_then(outside).or_else(|| fluid_conditions::contradiction(&self.effects))
     }
 
+    /// What has no place in a periodic cell, or none between walls.
+    pub(super) fn wrong_around(&self, is_cell: bool) -> Option<Wrong> {
+        let (fluid, effects, how) = (&self.fluid, &self.effects, &self.acceleration);
+        let drives = "a `pressure_gradient` (Pa/m) drives the flow in a cell";
+        let wrong = |what: &str, remedy: &str| Some(Wrong::new(what, remedy));
+        if !is_cell {
+            let walls = "give two opposite walls a `pressure`, or add [cell]";
+            let given = effects.pressure_gradient.is_some();
+            return wrong("has a `pressure_gradient`, but there are walls", walls)
+                .filter(|_| given);
+        }
+        let refused = [
+            (self.pressure_walls().next().is_some(), "has the `pressure` of a wall", drives),
+            (!effects.imposed.is_empty(), "has an `imposed` pressure", drives),
+            (!effects.sources.is_empty(), "has `sources`, whose fluid cannot leave", drives),
+            (
+                effects.conductances != ConductanceRules::default(),
+                "has conductances that are not what the geometry says",
+                "leave them out, or put walls around",
+            ),
+            (!fluid.slip_walls, "has `slip_walls`", "leave it out: a cell has no walls"),
+            (
+                fluid.boundary.sealed_pores == SealedPoreRule::Drained,
+                "has `sealed_pores = \"drained\"`: all pores of a cell are",
+                "leave it out; a `bulk_modulus` lets pores change their volume",
+            ),
+            (
+                how.update == Update::EveryStep,
+                "has `update = \"every step\"`, but spheres are put back into the cell meanwhile",
+                "leave it out, and take a smaller `remesh_interval`",
+            ),
+        ];
+        let (_, what, remedy) = refused.into_iter().find(|(given, ..)| *given)?;
+        wrong(&format!("stands beside [cell] and {what}"), remedy)
+    }
+
     /// What is wrong with a density where nothing has weight.
     pub(super) fn weightless(&self, gravity: bool) -> Option<Wrong> {
         let useless = self.effects.density.is_some() && !gravity;
@@ -371,12 +418,13 @@ impl Fluid {
 
     /// Effects of this table: `flow` is the fluid where some stage has flow, `conditioned` where one
     /// has it under the conditions of this table, `coupled` where a stage couples it to spheres that
-    /// move.
+    /// move; in a periodic cell or between walls.
     pub(super) fn effects(
         flow: Option<&Fluid>,
         conditioned: Option<&Fluid>,
         coupled: Option<&Fluid>,
-    ) -> [(&'static Effect, bool); 17] {
+        in_cell: bool,
+    ) -> [(&'static Effect, bool); 18] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
         let has_factors = |f: &Fluid| {
             let rules = &f.effects.conductances;
@@ -385,11 +433,12 @@ impl Fluid {
         [
             (&PORE_FLOW, flow.is_some()),
             (&FLUID_FORCES, coupled.is_some()),
-            (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls)),
+            (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls) && !in_cell),
             (&COMPRESSIBILITY, is(conditioned, |f| f.effects.bulk_modulus.is_some())),
             (&BUOYANCY, is(coupled, |f| f.effects.density.is_some())),
             (&SOURCES, is(conditioned, |f| !f.effects.sources.is_empty())),
             (&IMPOSED_REGIONS, is(conditioned, |f| !f.effects.imposed.is_empty())),
+            (&PRESSURE_GRADIENT, is(coupled, |f| f.effects.pressure_gradient.is_some())),
             (&IN_TIME, is(conditioned, |f| f.effects.change_in_time())),
             (&PROFILES, is(conditioned, |f| f.effects.wall_profile.values().any(Option::is_some))),
             (&CONDUCTANCE_CLAMP, is(flow, |f| f.fluid.clamp != Clamp::None)),

@@ -3,6 +3,7 @@
 use super::table::{Bound, Value};
 use super::wrong::Wrong;
 use crate::domain::{Axis, Vec3, WallId};
+use crate::excerpt::Brief;
 use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -48,7 +49,8 @@ impl Kind<f64> for Number {
 
     fn wrong(&self, x: &f64) -> Option<Wrong> {
         let holds = self.bound.holds(*x);
-        (!holds).then(|| Wrong::new(format!("is {x}"), format!("give {}", self.describe())))
+        (!holds)
+            .then(|| Wrong::new(format!("is {}", Brief(*x)), format!("give {}", self.describe())))
     }
 
     fn write(&self, x: &f64) -> Option<String> {

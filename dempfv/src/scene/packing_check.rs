@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::cell::{CellShape, too_small};
 use super::wrong::Wrong;
-use crate::domain::{Aabb, Vec3, WallId};
+use crate::domain::{Aabb, Cell, Vec3, WallId};
 use crate::input::InputError;
 use crate::io::packing::Packing;
 
@@ -34,6 +34,20 @@ pub fn load_packing(path: &Path, bounds: Option<Aabb>) -> Result<(Packing, Aabb)
     let lines = Some(packing.line.as_slice());
     validate_packing(&packing.position, &packing.radius, lines, &bounds, Some(path))?;
     Ok((packing, bounds))
+}
+
+/// Reads a packing file and the periodic cell that it states; `None` where it states none.
+///
+/// # Errors
+/// What is wrong, with file and line.
+pub fn load_periodic_packing(path: &Path) -> Result<Option<(Packing, Cell)>, InputError> {
+    let states_cell = Packing::read(path)?.cell.is_some();
+    if !states_cell {
+        return Ok(None);
+    }
+    let (packing, _) = load_packing_in_cell(path, CellShape::OfPacking)?;
+    let cell = packing.cell;
+    Ok(cell.map(|cell| (packing, cell)))
 }
 
 /// Reads a packing file for a periodic cell: that of the scene, else the file's own, which is the

@@ -4,15 +4,16 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::clump::Members;
 use super::keys::{Keyed, Keys};
-use super::kind::{Angle, number, quoted};
+use super::kind::{Angle, Maybe, number, quoted};
 use super::schema::Schema;
 use super::sizes::Cloud;
 use super::table::{Bound, Table, Value};
 use super::wrong::Wrong;
 use crate::Effect;
-use crate::dem::Material;
-use crate::dem::effects::{CONTACTS, FRICTION};
+use crate::dem::effects::{CLUMPS, CONTACTS, FRICTION};
+use crate::dem::{ClumpTemplate, Material};
 use crate::domain::Aabb;
 use crate::input::InputError;
 
@@ -20,7 +21,7 @@ type Result<T> = std::result::Result<T, InputError>;
 
 pub(super) static SCHEMA: Schema = Schema::table(
     "[particles]",
-    &["packing", "cloud", "density", "young", "stiffness_ratio", "friction_angle"],
+    &["packing", "cloud", "clump", "density", "young", "stiffness_ratio", "friction_angle"],
 );
 
 /// The spheres: where they come from and what they are made of.
@@ -28,6 +29,8 @@ pub(super) static SCHEMA: Schema = Schema::table(
 pub struct Particles {
     /// Where they come from. Default: a [`Cloud`].
     pub source: ParticleSource,
+    /// The clump that takes the place of each sphere of a cloud. Default: single spheres.
+    pub clump: Option<ClumpTemplate>,
     /// What they are made of. Default: ρ = 2600 kg/m³, E = 1e6 Pa, k_s/k_n = 0.5, φ = 30°.
     #[serde(flatten)]
     pub material: Material,
@@ -51,7 +54,7 @@ impl Default for Particles {
             friction_angle: 30f64.to_radians(),
             density: 2600.0,
         };
-        Particles { source: ParticleSource::default(), material }
+        Particles { source: ParticleSource::default(), clump: None, material }
     }
 }
 
@@ -73,6 +76,13 @@ impl Keyed for Particles {
             (Keys::Read(_) | Keys::Check(_), _) => {}
             (Keys::Write(_), _) => keys.push(self.source.to_toml()),
         }
+        keys.take("clump", &Maybe(Members), &mut self.clump)?;
+        let read_from_file = matches!(self.source, ParticleSource::Packing(_));
+        let stray = || {
+            let problem = "stands beside `packing`, whose spheres stay as they are";
+            Wrong::new(problem, "take a `cloud`, or leave it out")
+        };
+        keys.rule("clump", (read_from_file && self.clump.is_some()).then(stray))?;
         let m = &mut self.material;
         keys.take("density", &number("kg/m³", Bound::Positive), &mut m.density)?;
         keys.take("young", &number("Pa", Bound::Positive), &mut m.young)?;
@@ -103,8 +113,12 @@ impl Particles {
     }
 
     /// Effects of this table, where spheres move or not.
-    pub(super) fn effects(&self, contacts: bool) -> [(&'static Effect, bool); 2] {
-        [(&CONTACTS, contacts), (&FRICTION, contacts && self.has_friction())]
+    pub(super) fn effects(&self, contacts: bool) -> [(&'static Effect, bool); 3] {
+        [
+            (&CONTACTS, contacts),
+            (&FRICTION, contacts && self.has_friction()),
+            (&CLUMPS, contacts && self.clump.is_some()),
+        ]
     }
 }
 

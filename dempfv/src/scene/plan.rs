@@ -6,10 +6,13 @@ use serde::Serialize;
 
 use super::bonds::Bonds;
 use super::cell::CellShape;
-use super::contacts::Contacts;
+use super::contacts::{Contacts, NormalLaw};
 use super::dem::Dem;
 use super::fluid::Fluid;
 use super::keys::{Keyed, Keys};
+use super::lubrication;
+use super::materials::{self, OtherMaterial, Pair};
+use super::motion::GivenMotion;
 use super::output::{self, Output};
 use super::packing_check::{box_wrong, load_packing, load_packing_in_cell};
 use super::particles::{ParticleSource, Particles};
@@ -19,9 +22,9 @@ use super::stage::{self, Stage, StageKind};
 use super::walls::Walls;
 use super::wrong::Wrong;
 use crate::Effect;
-use crate::dem::DemError;
 use crate::dem::effects::{ENERGY, PERIODIC_CELL};
 use crate::dem::law::{Granular, GranularEffects};
+use crate::dem::{DemError, Material, MaterialPair};
 use crate::domain::{Aabb, Vec3};
 use crate::input::InputError;
 use crate::io::packing::Packing;
@@ -32,15 +35,22 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
     "box",
     "cell",
     "particles",
+    "material",
+    "pair",
     "walls",
     "contacts",
     "bonds",
     "dem",
+    "motion",
     "fluid",
     "stage",
     "output",
 ]);
 pub(super) static BOX: Schema = Schema::table("[box]", &["min", "max"]);
+
+/// What is said of walls in a cell, and what would be right.
+pub(super) const WALLS_IN_CELL: (&str, &str) =
+    ("[walls] stands beside [cell]", "leave it out: a cell has no walls");
 
 /// A scene: what is simulated, with which numbers, in which order.
 ///
@@ -79,6 +89,10 @@ pub struct Plan {
     pub cell: Option<CellShape>,
     /// The spheres and their material.
     pub particles: Particles,
+    /// Spheres of other materials.
+    pub other_materials: Vec<OtherMaterial>,
+    /// What two materials have against each other.
+    pub pairs: Vec<Pair>,
     /// The six walls' material.
     pub walls: Walls,
     /// What contacts do beside linear springs and friction.
@@ -87,6 +101,8 @@ pub struct Plan {
     pub bonds: Option<Bonds>,
     /// The mechanics; `None`: nothing moves.
     pub dem: Option<Dem>,
+    /// Spheres whose motion is given.
+    pub motions: Vec<GivenMotion>,
     /// The fluid in the pores; `None`: nothing is triangulated.
     pub fluid: Option<Fluid>,
     /// What happens, in order. At least one.
@@ -105,10 +121,13 @@ impl Default for Plan {
             bounds: Some(Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) }),
             cell: None,
             particles: Particles::default(),
+            other_materials: vec![],
+            pairs: vec![],
             walls: Walls::default(),
             contacts: Contacts::default(),
             bonds: None,
             dem: None,
+            motions: vec![],
             fluid: None,
             stages: vec![],
             output: Output::default(),
@@ -146,10 +165,13 @@ impl Plan {
         self.particles.check()?;
         Keys::Check(self.particles.schema())
             .rule("cloud", self.particles.wrong_in(self.room().as_ref()))?;
+        self.other_materials.iter().try_for_each(Keyed::check)?;
+        self.pairs.iter().try_for_each(Keyed::check)?;
         self.walls.check()?;
         self.contacts.check()?;
         self.bonds.iter().try_for_each(Keyed::check)?;
         self.dem.iter().try_for_each(Keyed::check)?;
+        self.motions.iter().try_for_each(Keyed::check)?;
         self.fluid.iter().try_for_each(Keyed::check)?;
         self.stages.iter().try_for_each(Stage::check)?;
         self.output.check()?;
@@ -163,6 +185,11 @@ impl Plan {
 
     /// Checks the parts against each other.
     pub(super) fn rules(&self) -> Result<(), Fault> {
+        let around = self.fluid.as_ref().and_then(|f| f.wrong_around(self.cell.is_some()));
+        if let Some(Wrong { problem, remedy }) = around {
+            let what = format!("[fluid] {problem}");
+            return Err(Fault { place: Place::Table("fluid"), what, remedy });
+        }
         self.rules_of_cell()?;
         for (i, stage) in self.stages.iter().enumerate() {
             let earlier = &self.stages[..i];
@@ -174,13 +201,20 @@ impl Plan {
                 return Err(Fault { place: Place::Stage(i), what, remedy });
             }
         }
+        self.material_rules()?;
         self.contact_rules()?;
-        let coupled = self.stages.iter().find(|s| s.kind.has_conditions());
+        self.body_rules()?;
+        let coupled = self.stages.iter().find(|s| s.kind.is_coupled());
+        let flowing = self.stages.iter().find(|s| s.kind.has_conditions());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
+        let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
-            coupled
-                .and_then(|s| fluid.undetermined_in(&s.name))
+            let edges = &fluid.effects.edges;
+            let walls = flowing.filter(|_| self.cell.is_none());
+            let undetermined = walls.and_then(|s| fluid.undetermined_in(&s.name));
+            undetermined
                 .or_else(|| fluid.weightless(gravity))
+                .or_else(|| lubrication::wrong_in(edges, coupled.is_some(), turns))
                 .or_else(|| fluid.misplaced_in(self.bounds.as_ref()))
         });
         match wrong {
@@ -206,17 +240,24 @@ impl Plan {
                 "[box] stands beside [cell]",
                 "keep one: a cell has no walls",
             ),
+            (!unsaid.contains(&self.walls), "walls", WALLS_IN_CELL.0, WALLS_IN_CELL.1),
             (
-                !unsaid.contains(&self.walls),
-                "walls",
-                "[walls] stands beside [cell]",
-                "leave it out: a cell has no walls",
+                self.particles.clump.is_some(),
+                "particles",
+                "`clump` in [particles] stands beside [cell]",
+                "put walls around: there are no clumps in a periodic cell",
             ),
             (
-                self.fluid.is_some(),
+                !self.motions.is_empty(),
+                "motion",
+                "[[motion]] stands beside [cell]",
+                "put walls around: spheres move with a periodic cell",
+            ),
+            (
+                self.fluid.as_ref().is_some_and(|fluid| fluid.effects.edges.any()),
                 "fluid",
-                "[fluid] stands beside [cell]: there is no flow across its faces yet",
-                "leave one of the two out",
+                "viscous shear or lubrication in [fluid] stands beside [cell]",
+                "put walls around: there are no forces between neighbours across a periodic cell",
             ),
             (
                 gravity,
@@ -238,6 +279,18 @@ impl Plan {
                 return Err(Fault { place: Place::Table("cell"), what, remedy });
             }
         }
+        let effects = self.granular();
+        let pulls = effects.bonds.is_some() || effects.adhesion.is_some();
+        let young = self.particles.material.young;
+        for (i, stage) in self.stages.iter().enumerate() {
+            let closed = self.fluid.as_ref().is_some_and(|fluid| !fluid.effects.store());
+            let wrong = stage.cell_stress_wrong(young, pulls);
+            let wrong = wrong.or_else(|| stage.volume_wrong().filter(|_| closed));
+            if let Some(Wrong { problem, remedy }) = wrong {
+                let what = format!("stage \"{}\" {problem}", stage.name);
+                return Err(Fault { place: Place::Stage(i), what, remedy });
+            }
+        }
         Ok(())
     }
 
@@ -257,6 +310,13 @@ impl Plan {
         if self.dem.is_none() && self.contacts != Contacts::default() {
             return fault(Place::Table("contacts"), &format!("[contacts] {still}"), moves);
         }
+        let ratio = self.particles.material.stiffness_ratio;
+        let default = Particles::default().material.stiffness_ratio;
+        if self.contacts.law == NormalLaw::HertzMindlin && ratio != default {
+            let what = "`stiffness_ratio` in [particles] stands beside `law = \"hertz-mindlin\"`, whose \
+                        shear stiffness follows from `poisson_ratio`";
+            return fault(Place::Table("particles"), what, "leave it out, or give `poisson_ratio`");
+        }
         let turns = self.dem.is_none_or(|dem| dem.options.rotation);
         if let Some(key) = self.contacts.needs_rotation().filter(|_| !turns) {
             let what = format!("`{key}` in [contacts] stands beside `rotation = false` in [dem]");
@@ -273,6 +333,70 @@ impl Plan {
         match bonds.wrong_in(self.particles.material.young, &self.stages) {
             Some(wrong) => {
                 fault(Place::Table("bonds"), &format!("[bonds] {}", wrong.problem), &wrong.remedy)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Checks the materials against each other.
+    fn material_rules(&self) -> Result<(), Fault> {
+        let Some(Wrong { problem, remedy }) = materials::wrong(&self.other_materials, &self.pairs)
+        else {
+            return Ok(());
+        };
+        let table = if problem.starts_with("[[pair]]") { "pair" } else { "material" };
+        Err(Fault { place: Place::Table(table), what: problem, remedy })
+    }
+
+    /// What the spheres are made of, that of `[particles]` first.
+    pub fn materials(&self) -> Vec<Material> {
+        materials::all(&self.particles.material, &self.other_materials)
+    }
+
+    /// What pairs of these materials have against each other.
+    pub fn material_pairs(&self) -> Vec<MaterialPair> {
+        materials::pairs(&self.pairs, &self.other_materials)
+    }
+
+    /// The index of the material of each sphere, of which these are the first places and the radii (m).
+    ///
+    /// # Errors
+    /// [`DemError::NoSuchSphere`] for a number in a `[[material]]` that no sphere has.
+    pub fn material_of_each(
+        &self,
+        position: &[Vec3],
+        radius: &[f64],
+    ) -> Result<Vec<u16>, DemError> {
+        let count = position.len();
+        let mut of_sphere = vec![0; count];
+        for (index, material) in (1u16..).zip(&self.other_materials) {
+            for number in material.which.chosen(position, radius) {
+                let place = of_sphere.get_mut(number as usize);
+                *place.ok_or(DemError::NoSuchSphere { number, count })? = index;
+            }
+        }
+        Ok(of_sphere)
+    }
+
+    /// Checks clumps and motions against what moves.
+    fn body_rules(&self) -> Result<(), Fault> {
+        let fault = |place, what: String, remedy: &str| {
+            Err(Fault { place, what, remedy: remedy.to_owned() })
+        };
+        let turns = self.dem.is_none_or(|dem| dem.options.rotation);
+        if self.particles.clump.is_some() && !turns {
+            let what = "`clump` in [particles] stands beside `rotation = false` in [dem]";
+            let place = Place::Table("particles");
+            return fault(place, what.to_owned(), "let spheres rotate, or leave it out");
+        }
+        if !self.motions.is_empty() && self.dem.is_none() {
+            let what = "[[motion]] stands without [dem]: nothing moves".to_owned();
+            return fault(Place::Table("motion"), what, "add a table [dem], or leave it out");
+        }
+        let wrong = |motion: &GivenMotion| motion.wrong_in(&self.stages);
+        match self.motions.iter().find_map(wrong) {
+            Some(Wrong { problem, remedy }) => {
+                fault(Place::Table("motion"), format!("[[motion]] {problem}"), &remedy)
             }
             None => Ok(()),
         }
@@ -358,13 +482,16 @@ impl Plan {
         let flow = conditioned.or(self.fluid.as_ref().filter(|_| measured));
         let mut effects = Vec::new();
         effects.extend(self.particles.effects(contacts));
+        effects.extend(materials::described(&self.other_materials, contacts));
         effects.extend(self.walls.effects(contacts && self.particles.has_friction()));
         effects.extend(self.contacts.described(contacts));
         effects.extend(Bonds::described(self.bonds.as_ref(), contacts));
         effects.extend(Dem::effects(&moving));
+        effects.extend(GivenMotion::described(&self.motions, contacts));
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
-        effects.extend(Fluid::effects(flow, conditioned, coupled));
+        effects.extend(Fluid::effects(flow, conditioned, coupled, self.cell.is_some()));
+        effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

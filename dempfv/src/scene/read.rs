@@ -11,6 +11,8 @@ use super::dem::{self, Dem};
 use super::fluid::{self, Fluid};
 use super::keys::{Keyed, Keys};
 use super::kind::{Count, Kind, Vector, quoted};
+use super::materials::{self, OtherMaterial, Pair};
+use super::motion::{self, GivenMotion};
 use super::output::{self, Output};
 use super::packing_check::box_wrong;
 use super::particles::{self, Particles};
@@ -33,16 +35,19 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 29] = [
+static SCHEMAS: [&Schema; 32] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
     &particles::SCHEMA,
+    &materials::MATERIAL,
+    &materials::PAIR,
     &sizes::SCHEMA,
     &walls::SCHEMA,
     &contacts::SCHEMA,
     &bonds::SCHEMA,
     &dem::SCHEMA,
+    &motion::SCHEMA,
     &fluid::SCHEMA,
     &fluid::PRESSURE,
     &time_function::SCHEMA,
@@ -166,12 +171,17 @@ impl Plan {
         }
         self.cell.iter().for_each(|cell| table("[cell]", cell.write()));
         table("[particles]", self.particles.write());
-        table("[walls]", self.walls.write());
+        self.other_materials.iter().for_each(|m| table("[[material]]", m.write()));
+        self.pairs.iter().for_each(|pair| table("[[pair]]", pair.write()));
+        if self.cell.is_none() {
+            table("[walls]", self.walls.write());
+        }
         if self.contacts != Contacts::default() {
             table("[contacts]", self.contacts.write());
         }
         self.bonds.iter().for_each(|bonds| table("[bonds]", bonds.write()));
         self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
+        self.motions.iter().for_each(|motion| table("[[motion]]", motion.write()));
         self.fluid.iter().for_each(|fluid| table("[fluid]", fluid.write()));
         self.stages.iter().for_each(|stage| table("[[stage]]", stage.write()));
         table("[output]", self.output.write());
@@ -196,11 +206,19 @@ fn read(root: &Table) -> Result<Plan> {
     let room = bounds.or(cell.and_then(|cell| cell.room()));
     let particles = root.need("particles", "[particles] with `packing` or `cloud`")?;
     let particles = Particles::read_in(&particles, room.as_ref())?;
+    let other_materials =
+        read_array(root, "material", &materials::MATERIAL, OtherMaterial::default())?;
+    let pairs = read_array(root, "pair", &materials::PAIR, Pair::default())?;
+    if let Some(table) = root.get("walls").filter(|_| cell.is_some()) {
+        let (what, remedy) = plan::WALLS_IN_CELL;
+        return Err(root.source.error(table.at, what, remedy));
+    }
     let walls = Walls::as_stiff_as(particles.material.young);
     let walls = read_or(root, "walls", walls.clone())?.unwrap_or(walls);
     let contacts = read_or(root, "contacts", Contacts::default())?.unwrap_or_default();
     let bonds = read_or(root, "bonds", Bonds::default())?;
     let dem = read_or(root, "dem", Dem::default())?;
+    let motions = read_array(root, "motion", &motion::SCHEMA, GivenMotion::default())?;
     let fluid = read_or(root, "fluid", Fluid::default())?;
     let stages = read_stages(root, &Before { walls: &walls, has_fluid: fluid.is_some() })?;
     let output = match root.get("output") {
@@ -214,10 +232,13 @@ fn read(root: &Table) -> Result<Plan> {
         bounds,
         cell,
         particles,
+        other_materials,
+        pairs,
         walls,
         contacts,
         bonds,
         dem,
+        motions,
         fluid,
         stages,
         output,
@@ -229,6 +250,18 @@ fn read_or<T: Keyed>(root: &Table, key: &str, defaults: T) -> Result<Option<T>> 
     let Some(value) = root.get(key) else { return Ok(None) };
     let table = value.table(defaults.schema())?;
     defaults.read(&table).map(Some)
+}
+
+/// Tables that a scene may have several of.
+fn read_array<T: Keyed>(
+    root: &Table,
+    key: &str,
+    schema: &'static Schema,
+    defaults: T,
+) -> Result<Vec<T>> {
+    let Some(value) = root.get(key) else { return Ok(vec![]) };
+    let items = value.items(&format!("one or more [[{key}]] tables"))?;
+    items.iter().map(|item| defaults.clone().read(&item.table(schema)?)).collect()
 }
 
 fn read_box(value: &Value) -> Result<Aabb> {

@@ -46,7 +46,7 @@ impl Schema {
         match key {
             _ if !self.is_root => format!("`{key}` in {}", self.name),
             "title" | "seed" => format!("`{key}`"),
-            "stage" => "[[stage]]".to_owned(),
+            "stage" | "motion" | "material" | "pair" => format!("[[{key}]]"),
             _ => format!("[{key}]"),
         }
     }

@@ -1,6 +1,7 @@
 //! What dimensionless numbers say about the effects of a scene: what each would change, and whether
 //! it can be left out. Closed forms with mean-field moduli: right within a factor of two or so.
 
+use std::f64::consts::PI;
 use std::fmt;
 
 use serde::Serialize;
@@ -111,6 +112,8 @@ impl Advice {
             advice.extend(scene.gravity(stage, stress));
             advice.extend(scene.inertia(stage, run, stress));
             if stage.kind.is_coupled() {
+                advice.extend(scene.viscous_step(stage, estimate));
+                advice.extend(scene.lubrication(stage, run, stress));
                 advice.extend(time.and_then(|time| scene.pore_flow(stage, time)));
                 advice.extend(scene.compressibility(stage));
                 advice.extend(scene.fluid_inertia(stage));
@@ -131,7 +134,7 @@ impl Scene<'_> {
         let material = &self.plan.particles.material;
         let density =
             (1.0 - self.porosity) * COORDINATION * material.young * SOFTER_THAN_MEAN_FIELD;
-        Some(density * (3.0 + 2.0 * material.stiffness_ratio) / (10.0 * std::f64::consts::PI))
+        Some(density * (3.0 + 2.0 * material.stiffness_ratio) / (10.0 * PI))
     }
 
     /// Permeability (m²) by Kozeny and Carman.
@@ -227,6 +230,80 @@ impl Scene<'_> {
             value,
             change,
             of: "the pressure under an undrained load",
+            verdict: verdict(change),
+        })
+    }
+
+    /// The bound that viscosity sets to the time step against that of the contacts.
+    fn viscous_step(&self, stage: &Stage, estimate: &Estimate) -> Option<Advice> {
+        let bounds = estimate.bounds?;
+        let change = 1.0 - bounds.limit() / bounds.contact;
+        Some(Advice {
+            stage: stage.name.clone(),
+            effect: "viscosity in the time step",
+            number: "Δt_V / Δt_K",
+            value: bounds.viscosity() / bounds.contact,
+            change,
+            of: "the largest stable time step",
+            verdict: verdict(change),
+        })
+    }
+
+    /// Films between neighbours: beside the stress that a packing is strained under, or on the impacts
+    /// of spheres that fall.
+    fn lubrication(&self, stage: &Stage, run: &Run, stress: Option<f64>) -> Option<Advice> {
+        let rate = strain_rate(run, &self.bounds);
+        match rate.zip(stress.filter(|&s| s > 0.0)) {
+            Some((rate, stress)) => self.strained_films(stage, rate, stress),
+            None => self.struck_films(stage),
+        }
+    }
+
+    /// The viscous number J = μ ε̇ / σ. Neighbours that near each other by ε̇ d across films of 2 ε R, whose
+    /// force is 3/2 π μ R² ε̇ d / 2 ε R, carry that beside the 4 R² σ of a contact: 3/8 π J / ε.
+    fn strained_films(&self, stage: &Stage, rate: f64, stress: f64) -> Option<Advice> {
+        let fluid = self.plan.fluid.as_ref()?;
+        let value = fluid.fluid.viscosity * rate / stress;
+        let change = 0.375 * PI * value / fluid.effects.edges.roughness;
+        Some(Advice {
+            stage: stage.name.clone(),
+            effect: "lubrication",
+            number: "J = μ ε̇ / σ",
+            value,
+            change,
+            of: "the stress",
+            verdict: verdict(change),
+        })
+    }
+
+    /// The Stokes number St = ρ_s d v / 18 μ at the speed of spheres that sink, by Stokes's law or
+    /// freely through the box where that is less. The film takes ∫ 3/2 π μ R² / h dh from the momentum
+    /// of each of two spheres that meet, from h = R to the roughness 2 ε R, and as much where they part:
+    /// ln(1/2ε) / 2 St of the speed; and π c / 2√(k m/2) while they touch, c = 3/4 π μ R / ε, k = E R.
+    fn struck_films(&self, stage: &Stage) -> Option<Advice> {
+        if self.plan.contacts.law != NormalLaw::Linear {
+            return None;
+        }
+        let fluid = self.plan.fluid.as_ref()?;
+        let gravity = self.plan.dem.as_ref()?.options.gravity?;
+        let (d, mu, g) = (self.diameter, fluid.fluid.viscosity, gravity.norm());
+        let density = self.plan.particles.material.density;
+        let excess = (density - fluid.effects.density.unwrap_or(0.0)).abs();
+        let fall = gravity.abs().dot(&self.bounds.size()) / g;
+        let speed = (excess * g * d * d / (18.0 * mu)).min((2.0 * g * fall).sqrt());
+        let value = density * d * speed / (18.0 * mu);
+        let thinnest = 2.0 * fluid.effects.edges.roughness;
+        let (r, young) = (0.5 * d, self.plan.particles.material.young);
+        let mass = 4.0 / 3.0 * PI * r.powi(3) * density;
+        let touching = 0.5 * PI * 1.5 * PI * mu * r / thinnest / (0.5 * young * r * mass).sqrt();
+        let change = (touching - 0.5 * thinnest.ln() / value).clamp(0.0, 1.0);
+        Some(Advice {
+            stage: stage.name.clone(),
+            effect: "lubrication",
+            number: "St = ρ_s d v / 18 μ",
+            value,
+            change,
+            of: "the speed of a rebound",
             verdict: verdict(change),
         })
     }

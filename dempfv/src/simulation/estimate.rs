@@ -82,9 +82,14 @@ impl Specimen {
             let solid = f64::from(cloud.count) * cloud.sizes.mean_volume() * growth.powi(3);
             1.0 - solid / bounds.volume()
         });
+        // Of clumps each member counts, and the smallest sets the time step.
+        let (members, share) = plan.particles.clump.as_ref().map_or((1, 1.0), |clump| {
+            let radii = clump.members.iter().map(|(_, radius)| *radius);
+            (clump.members.len(), radii.fold(1.0, f64::min))
+        });
         Some(Specimen {
-            spheres: cloud.count as usize,
-            smallest_radius: growth * cloud.sizes.smallest(),
+            spheres: cloud.count as usize * members,
+            smallest_radius: growth * cloud.sizes.smallest() * share,
             diameter: growth * cloud.sizes.sauter_diameter(),
             porosity,
             ..Specimen::default()
@@ -150,8 +155,8 @@ pub struct Estimate {
     pub dt: Option<f64>,
     /// Stages whose time step is fixed above their limit.
     pub unstable_stages: Vec<UnstableStage>,
-    /// Stages in which a servo pushes a wall on spheres with viscous damping.
-    pub servos_on_dashpots: Vec<String>,
+    /// Stages in which local damping takes from rebounds beside a coefficient of restitution.
+    pub damped_twice: Vec<String>,
     /// Time of a dry step (s); `None` when nothing moves.
     pub dry_step: Option<f64>,
     /// Time of a coupled step with its share of remeshing (s); `None` when nothing couples.
@@ -264,7 +269,7 @@ impl Estimate {
             unstable_stages: bounds.map_or(vec![], |bounds| {
                 plan.stages.iter().filter_map(|s| UnstableStage::of(plan, s, bounds)).collect()
             }),
-            servos_on_dashpots: servos_on_dashpots(plan),
+            damped_twice: damped_twice(plan),
             bounds,
             dt,
             dry_step: dem.map(|_| dry),
@@ -281,24 +286,21 @@ impl Estimate {
 
     /// What a user should know before such a run begins.
     pub fn warnings(&self) -> Vec<String> {
-        let servos = self.servos_on_dashpots.iter().map(|stage| {
+        let twice = self.damped_twice.iter().map(|stage| {
             format!(
-                "stage \"{stage}\": a wall under a stress on spheres with `restitution` in [contacts] may strike \
-                 them for ever, since it does not reckon with dashpots; give `max_velocity` well below the default, \
-                 and look at the stresses in history.csv"
+                "stage \"{stage}\": local damping acts beside `restitution` in [contacts] and takes from every \
+                 rebound: give `damping = 0.0` in [dem] or in the stage, unless that is meant"
             )
         });
-        self.unstable_stages.iter().map(UnstableStage::to_string).chain(servos).collect()
+        self.unstable_stages.iter().map(UnstableStage::to_string).chain(twice).collect()
     }
 }
 
-/// Names of the stages in which servo walls meet dashpots. A servo knows the springs of its contacts:
-/// at a restitution of 0.9 that is enough, at 0.5 walls were seen to strike for ever.
-fn servos_on_dashpots(plan: &Plan) -> Vec<String> {
-    let contacts = &plan.contacts;
-    let damped = contacts.wall_restitution.or(contacts.restitution).is_some_and(|e| e < 0.9);
-    let stages = plan.stages.iter().filter(|stage| damped && stage.kind.has_servo());
-    stages.map(|stage| stage.name.clone()).collect()
+/// Names of the stages with local damping in a scene with a coefficient of restitution.
+fn damped_twice(plan: &Plan) -> Vec<String> {
+    let locally = |stage: &&Stage| plan.mechanics(stage).is_some_and(|d| d.options.damping > 0.0);
+    let stages = plan.stages.iter().filter(|_| plan.contacts.restitution.is_some());
+    stages.filter(locally).map(|stage| stage.name.clone()).collect()
 }
 
 /// Whether networks follow the spheres between remeshes.

@@ -44,4 +44,4 @@ pub use restart::{Change, Effect, Restart};
 pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
 pub use stability::Stability;
-pub use warning::{LateLoad, ServoMissed, Warning};
+pub use warning::{BondsUnderLoad, LateLoad, ServoMissed, Warning};

@@ -72,7 +72,7 @@ pub struct PermeabilityTest {
     pub axis: String,
     /// Intrinsic permeability (m²).
     pub permeability_m2: f64,
-    /// Flux at 1 Pa across the box (m³/s).
+    /// Flux at 1 Pa across the box (m³/s); of a periodic cell, that of a cube of its volume.
     pub flux_m3_s: f64,
     /// What enters less what leaves, relative to the flux (1).
     pub imbalance: f64,
@@ -86,6 +86,8 @@ pub struct PermeabilityTest {
     pub unknowns: u64,
     /// Residual of the solve (1).
     pub residual: f64,
+    /// Of a periodic cell the whole tensor (m²), by rows; `None` between walls.
+    pub tensor_m2: Option<[[f64; 3]; 3]>,
 }
 
 /// The flow through spheres at rest at the end of its stage.

@@ -150,7 +150,8 @@ impl Simulation {
         let mut saved = state.coupled;
         let was_wet = saved.parameters.saturation.is_some();
         let is_wet = going.map_or(was_wet, |stage| stage.kind.has_conditions());
-        saved.set_density(plan.particles.material.density);
+        let materials = plan.materials();
+        saved.set_densities(&materials.iter().map(|m| m.density).collect::<Vec<_>>());
         saved.parameters = parameters(&plan, is_wet);
         if changes.outdate_network() {
             saved.forget_network();
@@ -257,9 +258,12 @@ impl Simulation {
             None => {
                 let bonds = context.plan.bonds.as_ref();
                 if bonds.is_some_and(|b| b.begin_with(&stage.name, self.stage == 0)) {
-                    context.coupled.controls().bond()?;
+                    context.bond()?;
                 }
-                Active::start(&mut context)?
+                let is_first = self.stage == 0;
+                let begun = Active::start(&mut context)?;
+                context.give_motions(is_first)?;
+                begun
             }
         };
         match active.advance(&mut context) {
@@ -431,7 +435,8 @@ impl Simulation {
 fn parameters(plan: &Plan, is_wet: bool) -> Parameters {
     let fluid = plan.fluid.as_ref();
     Parameters {
-        materials: vec![plan.particles.material],
+        materials: plan.materials(),
+        pairs: plan.material_pairs(),
         wall_material: plan.walls.material,
         options: setup::options(plan),
         saturation: fluid.filter(|_| is_wet).map(|f| f.saturation()),

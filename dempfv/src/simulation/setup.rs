@@ -2,7 +2,7 @@
 
 use crate::coupling::Coupled;
 use crate::dem::law::Linear;
-use crate::dem::{self, CloudScale, CloudSpec, Dem, DemOptions, SizeDistribution};
+use crate::dem::{self, CloudScale, CloudSpec, ClumpedSpheres, Dem, DemOptions, SizeDistribution};
 use crate::scene::{CellShape, ParticleSource, Plan, Sizes};
 use crate::{Aabb, Cell, InputError, Result, Vec3};
 
@@ -13,6 +13,20 @@ pub(super) struct Specimen {
     /// The box (m); around the cell, where there is one.
     pub bounds: Aabb,
     pub cell: Option<Cell>,
+    /// Members of each clump.
+    pub clumps: Vec<Vec<u32>>,
+}
+
+impl Specimen {
+    /// The same, with a clump of the plan's shape in the place of each sphere.
+    fn clumped(self, plan: &Plan) -> Result<Specimen> {
+        let Some(template) = &plan.particles.clump else { return Ok(self) };
+        let spheres: Vec<(Vec3, f64)> = self.position.into_iter().zip(self.radius).collect();
+        // Another draw than that of the cloud.
+        let ClumpedSpheres { position, radius, clumps } =
+            template.in_place_of(&spheres, plan.seed.wrapping_add(1))?;
+        Ok(Specimen { position, radius, clumps, ..self })
+    }
 }
 
 /// The spheres that a plan starts from, and their box (m): read from its
@@ -31,7 +45,8 @@ pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
     plan.validate()?;
     if let Some((packing, bounds)) = plan.packing()? {
         let cell = packing.cell.filter(|_| plan.cell.is_some());
-        return Ok(Specimen { position: packing.position, radius: packing.radius, bounds, cell });
+        let (position, radius, clumps) = (packing.position, packing.radius, vec![]);
+        return Ok(Specimen { position, radius, bounds, cell, clumps });
     }
     let needs_box = || InputError::new("a cloud needs a box", "add [box] with min and max");
     let ParticleSource::Cloud(cloud) = &plan.particles.source else {
@@ -50,30 +65,48 @@ pub(super) fn specimen(plan: &Plan) -> Result<Specimen> {
     if let Some(CellShape::Edges(cell)) = plan.cell {
         let spheres = dem::random_cloud_in_cell(&cell, count, &sizes, scale, plan.seed)?;
         let (position, radius) = spheres.into_iter().unzip();
-        return Ok(Specimen { position, radius, bounds: cell.bounds(), cell: Some(cell) });
+        let (bounds, cell, clumps) = (cell.bounds(), Some(cell), vec![]);
+        return Ok(Specimen { position, radius, bounds, cell, clumps });
     }
     let bounds = plan.bounds.ok_or_else(needs_box)?;
     let spec = CloudSpec { box_: bounds, count, sizes, scale, seed: plan.seed };
     let (position, radius) = dem::random_cloud(&spec)?.into_iter().unzip();
-    Ok(Specimen { position, radius, bounds, cell: None })
+    Specimen { position, radius, bounds, cell: None, clumps: vec![] }.clumped(plan)
 }
 
 /// The mechanics of a plan whose spheres are at rest at their first places.
 pub(super) fn mechanics(plan: &Plan, specimen: Specimen) -> Result<Dem> {
-    let Specimen { position, radius, bounds, cell } = specimen;
-    let material = plan.particles.material;
-    let particles = dem::Particles::new(position, radius, material.density);
+    let Specimen { position, radius, bounds, cell, clumps } = specimen;
+    let materials = &plan.materials()[..];
+    let particles = match materials {
+        [material] => dem::Particles::new(position, radius, material.density),
+        _ => {
+            let of_sphere = plan.material_of_each(&position, &radius)?;
+            dem::Particles::of_materials(position, radius, of_sphere, materials)?
+        }
+    };
     let (walls, options) = (plan.walls.material, options(plan));
-    let materials = &[material];
-    Ok(match (plan.granular_law()?, cell) {
+    let mut dem = match (plan.granular_law()?, cell) {
         (Some(law), Some(cell)) => Dem::in_cell(law, particles, cell, materials, options)?,
         (None, Some(cell)) => Dem::in_cell(Linear, particles, cell, materials, options)?,
         (Some(law), None) => Dem::with_law(law, particles, bounds, materials, walls, options)?,
         (None, None) if !plan.moves() => {
-            Dem::standing(particles, bounds, material, walls, options)?
+            Dem::standing(particles, bounds, materials, walls, options)?
         }
-        (None, None) => Dem::new(particles, bounds, material, walls, options)?,
-    })
+        (None, None) => Dem::with_law(Linear, particles, bounds, materials, walls, options)?,
+    };
+    if !clumps.is_empty() {
+        dem.bind(&clumps)?;
+    }
+    if !plan.pairs.is_empty() {
+        dem.set_materials(materials, &plan.material_pairs())?;
+    }
+    Ok(dem)
+}
+
+/// Gives the spheres the materials of the plan again, after a stage with a friction of its own.
+pub(super) fn own_materials(coupled: &mut Coupled, plan: &Plan) -> Result<()> {
+    Ok(coupled.controls().set_materials(&plan.materials(), &plan.material_pairs())?)
 }
 
 pub(super) fn options(plan: &Plan) -> DemOptions {

@@ -15,8 +15,12 @@ pub enum Warning {
     UnstableTimeStep(UnstableStage),
     /// A servo wall has not held its stress.
     ServoMissed(ServoMissed),
+    /// The servo of a periodic cell has not held a stress.
+    CellStressMissed(CellStressMissed),
     /// The load of a consolidation has not come at once.
     LateLoad(LateLoad),
+    /// Bonds were made on contacts that carried a load.
+    BondsUnderLoad(BondsUnderLoad),
     /// A restart has changed what is simulated.
     Restarted {
         /// Steps that were done before.
@@ -48,6 +52,55 @@ impl fmt::Display for ServoMissed {
             f,
             "stage \"{stage}\": the servo on {wall} was asked for {asked:.4e} Pa and got {mean:.4e} Pa in the last \
              part of the stage, from {low:.4e} to {high:.4e} Pa"
+        )
+    }
+}
+
+/// Bonds that were made on contacts that carried a load, which is gone with them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BondsUnderLoad {
+    /// The name of the stage that began with making them.
+    pub stage: String,
+    /// Their number.
+    pub loaded: u64,
+    /// Bonds in all.
+    pub made: u64,
+}
+
+impl fmt::Display for BondsUnderLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let BondsUnderLoad { stage, loaded, made } = self;
+        write!(
+            f,
+            "stage \"{stage}\": {loaded} of {made} bonds were made on contacts that carried a load; a bond is made \
+             without force, so their forces fell to 0 and the packing comes to rest anew"
+        )
+    }
+}
+
+/// A stress on a periodic cell that was not what was asked for in the last part of a stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellStressMissed {
+    /// The stage's name.
+    pub stage: String,
+    /// The component, by the numbers of its two axes from 0 on.
+    pub component: [u8; 2],
+    /// Stress asked for (Pa).
+    pub asked: f64,
+    /// Mean stress (Pa).
+    pub mean: f64,
+    /// Lowest and highest stress (Pa).
+    pub range: [f64; 2],
+}
+
+impl fmt::Display for CellStressMissed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let CellStressMissed { stage, component, asked, mean, range: [low, high] } = self;
+        let [a, b] = component.map(|axis| ["x", "y", "z"].get(usize::from(axis)).unwrap_or(&"?"));
+        write!(
+            f,
+            "stage \"{stage}\": the cell was asked for a stress {a}{b} of {asked:.4e} Pa and got {mean:.4e} Pa in \
+             the last part of the stage, from {low:.4e} to {high:.4e} Pa"
         )
     }
 }
@@ -89,6 +142,9 @@ impl Warning {
             (Warning::ServoMissed(a), Warning::ServoMissed(b)) => {
                 (&a.stage, a.wall) == (&b.stage, b.wall)
             }
+            (Warning::CellStressMissed(a), Warning::CellStressMissed(b)) => {
+                (&a.stage, a.component) == (&b.stage, b.component)
+            }
             (Warning::LateLoad(a), Warning::LateLoad(b)) => a.stage == b.stage,
             _ => false,
         }
@@ -100,7 +156,9 @@ impl fmt::Display for Warning {
         match self {
             Warning::UnstableTimeStep(stage) => stage.fmt(f),
             Warning::ServoMissed(missed) => missed.fmt(f),
+            Warning::CellStressMissed(missed) => missed.fmt(f),
             Warning::LateLoad(late) => late.fmt(f),
+            Warning::BondsUnderLoad(bonds) => bonds.fmt(f),
             Warning::Restarted { step, change } => write!(f, "restart at step {step}: {change}"),
         }
     }

@@ -1,6 +1,7 @@
 //! Rows of periodic cells.
 
 use super::dem_support::{cloud, material};
+use super::pfv::UNIT_WATER;
 use super::{NO_LENGTHS, Table};
 use dempfv::coupling::Coupled;
 use dempfv::dem::law::Linear;
@@ -8,7 +9,10 @@ use dempfv::dem::{
     CellControl, CellControls, CloudScale, Dem, DemError, DemOptions, Material, Particles,
     SizeDistribution, random_cloud_in_cell,
 };
-use dempfv::io::packing;
+use dempfv::io::{packing, vtk};
+use dempfv::pfv::terms::{Compressibility, StepTerms};
+use dempfv::pfv::{Assembled, Flow, Fluid, Network, PfvError};
+use dempfv::solver::SolverKind;
 use dempfv::{Axis, Cell, Tensor, Vec3};
 
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
@@ -30,6 +34,7 @@ pub fn table() -> Table {
     shapes(&mut t);
     making(&mut t);
     moving(&mut t);
+    flowing(&mut t);
     let path = std::env::temp_dir().join("dempfv-arguments-cell.txt");
     let function = "io::packing::write_in_cell";
     for (word, x, r) in [
@@ -122,5 +127,86 @@ fn moving(t: &mut Table) {
     }
     t.gives("coupling::Coupled::axis_stress", "no contact, no stress", || {
         Coupled::new(small()).axis_stress(Axis::Y) == 0.0
+    });
+}
+
+/// Spheres on a cubic lattice, 4 along each edge of the unit cell.
+fn places() -> Vec<Vec3> {
+    let along = |k: usize| 0.25 * k as f64;
+    (0..64).map(|k| Vec3::new(along(k % 4), along(k / 4 % 4), along(k / 16))).collect()
+}
+
+fn flow() -> Flow {
+    Flow::in_cell(&places(), &[0.1; 64], &unit(), &UNIT_WATER, SolverKind::default()).unwrap()
+}
+
+/// A way to build a network of what is given.
+type Make = fn(&[Vec3], &[f64], &Cell, &Fluid) -> Result<(), PfvError>;
+
+fn flowing(t: &mut Table) {
+    let ways: [(&'static str, Make); 3] = [
+        ("pfv::Network::in_cell", |x, r, cell, fluid| {
+            Network::in_cell(x, r, cell, fluid).map(drop)
+        }),
+        ("pfv::Assembled::in_cell", |x, r, cell, fluid| {
+            Assembled::in_cell(x, r, cell, fluid, StepTerms::default()).map(drop)
+        }),
+        ("pfv::Flow::in_cell", |x, r, cell, fluid| {
+            Flow::in_cell(x, r, cell, fluid, SolverKind::default()).map(drop)
+        }),
+    ];
+    let x = places();
+    for (function, make) in ways {
+        let (cell, fluid) = (unit(), UNIT_WATER);
+        t.refuses(function, "no spheres", || make(&[], &[], &cell, &fluid));
+        t.refuses(function, "radius", || make(&x, &[0.1; 63], &cell, &fluid));
+        for value in NO_LENGTHS {
+            let radius: Vec<f64> = [value].into_iter().chain([0.1; 63]).collect();
+            t.refuses(function, "radius[0]", || make(&x, &radius, &cell, &fluid));
+            let viscosity = Fluid { viscosity: value, ..fluid };
+            t.refuses(function, "fluid.viscosity", || make(&x, &[0.1; 64], &cell, &viscosity));
+        }
+        for place in [NAN, Vec3::repeat(1e300), Vec3::repeat(1e12)] {
+            let x: Vec<Vec3> = [place].into_iter().chain(x[1..].iter().copied()).collect();
+            t.refuses(function, "position[0]", || make(&x, &[0.1; 64], &cell, &fluid));
+        }
+        let mut walls = fluid;
+        walls.boundary.pressure.0[3] = Some(1.0);
+        t.refuses(function, "no walls", || make(&x, &[0.1; 64], &cell, &walls));
+        t.refuses(function, "larger cell", || make(&x[..2], &[0.1; 2], &cell, &fluid));
+    }
+    for time_step in NO_LENGTHS {
+        let compressible =
+            || StepTerms { terms: vec![Box::new(Compressibility::new(1e6).unwrap())], time_step };
+        t.refuses("pfv::Assembled::in_cell", "time_step", || {
+            Assembled::in_cell(&x, &[0.1; 64], &unit(), &UNIT_WATER, compressible())
+        });
+    }
+    for value in [NAN, Vec3::repeat(f64::INFINITY)] {
+        t.refuses("pfv::Flow::set_pressure_gradient", "gradient", || {
+            flow().set_pressure_gradient(value)
+        });
+    }
+    for mass in [vec![1.0; 63], vec![f64::NAN; 64], vec![0.0; 64]] {
+        t.refuses("pfv::Flow::move_with_spheres", "mass", || flow().move_with_spheres(&mass));
+    }
+    for length in [0, 63, 65] {
+        t.refuses("pfv::Flow::update_volume_rate_in_cell", "velocity", || {
+            flow().update_volume_rate_in_cell(&vec![Vec3::zeros(); length], 0.0)
+        });
+        let network = flow().network().clone();
+        t.refuses("pfv::Network::volumes_in_cell", "position", || {
+            network.volumes_in_cell(&vec![Vec3::zeros(); length], &unit())
+        });
+        t.refuses("io::vtk::pore_cells_in_cell", "position", || {
+            vtk::pore_cells_in_cell(&network, &vec![Vec3::zeros(); length], &unit())
+        });
+    }
+    t.refuses("pfv::Network::volumes_in_cell", "position", || {
+        flow().network().volumes_in_cell(&[NAN; 64], &unit())
+    });
+    let missing = std::env::temp_dir().join("dempfv-no-such-packing.txt");
+    t.refuses("scene::load_periodic_packing", "dempfv-no-such", || {
+        dempfv::scene::load_periodic_packing(&missing)
     });
 }

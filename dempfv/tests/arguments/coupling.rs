@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::dem_support::twin;
 use super::{NO_LENGTHS, Table};
 use dempfv::coupling::{
-    Coupled, CoupledState, RemeshRule, Saturation, StandardBuilder, TimeStepBounds,
-    viscous_time_step,
+    Coupled, CoupledState, EdgeEffects, FluidEffects, RemeshRule, Saturation, StandardBuilder,
+    TimeStepBounds, viscous_time_step,
 };
 use dempfv::dem::law::Linear;
 use dempfv::dem::{DemOptions, WallControl};
@@ -78,6 +78,19 @@ pub fn table() -> Table {
                 viscous_time_step(1.0, 1.0, value),
             ];
             value == f64::INFINITY || steps.iter().all(|dt| dt.is_nan())
+        });
+    }
+    for value in [f64::NAN, f64::INFINITY, -1.0] {
+        let with = |edges: EdgeEffects| {
+            let mut coupled = wet();
+            coupled.set_fluid_effects(FluidEffects { edges, ..FluidEffects::default() });
+            coupled.step(1e-5)
+        };
+        let function = "coupling::Coupled::set_fluid_effects";
+        let squeezed = EdgeEffects { normal_lubrication: true, ..EdgeEffects::default() };
+        t.refuses(function, "roughness", || with(EdgeEffects { roughness: value, ..squeezed }));
+        t.refuses(function, "stiffness", || {
+            with(EdgeEffects { stiffness: Some(value), ..squeezed })
         });
     }
     for value in [f64::NAN, f64::INFINITY, -1.0, 0.0, 2.0] {

@@ -59,7 +59,6 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "coupling::Coupled::build_with",
             "simulation::Simulation::build_with",
             "coupling::Coupled::accelerate",
-            "coupling::Coupled::set_fluid_effects",
             "time_function::TimeFunction::value",
             "pfv::Flow::hydrostatic_pressure",
             "coupling::Coupled::update_viscous_mode",

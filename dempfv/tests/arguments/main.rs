@@ -4,6 +4,7 @@
 //!
 //! The tables are complete: `every_public_function_has_a_row` reads the sources.
 
+mod bodies;
 mod cell;
 mod coupling;
 mod dem;
@@ -83,6 +84,11 @@ fn the_mechanics_refuse_what_cannot_be_right() {
 }
 
 #[test]
+fn clumps_and_motions_refuse_what_cannot_be_right() {
+    bodies::table().check();
+}
+
+#[test]
 fn cells_refuse_what_cannot_be_right() {
     cell::table().check();
 }
@@ -117,6 +123,7 @@ fn plans_and_theory_refuse_what_cannot_be_right() {
 fn every_public_function_has_a_row() {
     let tables = [
         dem::table(),
+        bodies::table(),
         cell::table(),
         pfv::table(),
         coupling::table(),

@@ -14,6 +14,17 @@ const UNIT: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 0.0), max: Vec3::new(1.0, 1.0
 const X: [Vec3; 2] = [Vec3::new(0.3, 0.3, 0.4), Vec3::new(0.7, 0.6, 0.6)];
 const R: [f64; 2] = [0.2, 0.15];
 
+/// Water between no walls.
+pub const UNIT_WATER: Fluid = Fluid {
+    viscosity: 1e-3,
+    slip_walls: true,
+    clamp: Clamp::None,
+    boundary: Boundary {
+        pressure: dempfv::PerWall([None; 6]),
+        sealed_pores: dempfv::pfv::SealedPoreRule::Closed,
+    },
+};
+
 fn water() -> Fluid {
     let mut boundary = Boundary::default();
     boundary.pressure[WallId::YMin] = Some(1.0);

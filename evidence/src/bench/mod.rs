@@ -2,6 +2,7 @@
 //! and what was measured before.
 
 mod ours;
+pub mod sample;
 
 use std::fs::File;
 use std::path::PathBuf;

@@ -2,6 +2,7 @@
 
 mod coupled;
 mod dry;
+mod edges;
 mod figures;
 mod injection;
 mod loading;
@@ -83,6 +84,8 @@ struct YadeArgs {
 enum PartName {
     /// The pore network and its static flow, pore for pore
     Network,
+    /// Forces between neighbours
+    Edges,
     /// Loading without fluid
     Dry,
     /// Loading with fluid
@@ -179,6 +182,7 @@ fn run_yade(args: &YadeArgs) -> Result<YadeReport, Error> {
     let force = args.output.force;
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
     page.add::<network::Part>(&bench, &networks, chosen(PartName::Network), force)?;
+    page.add::<edges::Part>(&bench, &packings, chosen(PartName::Edges), force)?;
     page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
     page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;

@@ -51,6 +51,9 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
     }
     if output.energy {
         names.extend(ENERGY.map(|(name, _)| name.to_owned()));
+        if has_films(plan) {
+            names.extend(FILMS.map(|(name, _)| name.to_owned()));
+        }
     }
     names.extend((1..=output.probes.len()).map(|k| format!("probe_{k}_pressure_pa")));
     names.extend(
@@ -63,6 +66,12 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
         names.extend(["alpha", "beta", "gamma"].map(|angle| format!("cell_{angle}_deg")));
         names.extend(COMPONENTS.map(|of| format!("cell_strain_{of}")));
         names.extend(COMPONENTS.map(|of| format!("cell_stress_{of}_pa")));
+        if plan.fluid.is_some() {
+            names.extend(["x", "y", "z"].map(|axis| format!("cell_fluid_velocity_{axis}_m_s")));
+        }
+    }
+    if plan.output.energy && !plan.motions.is_empty() {
+        names.push("motion_work_j".to_owned());
     }
     if plan.bonds.is_some() {
         names.extend(["intact_bonds", "broken_bonds"].map(str::to_owned));
@@ -74,7 +83,7 @@ pub fn columns(plan: &Plan, servos: &[WallId]) -> Vec<String> {
 type EnergyTerm = fn(&EnergyBalance) -> f64;
 
 /// Energy by cause, beside the kinetic and the elastic energy.
-const ENERGY: [(&str, EnergyTerm); 10] = [
+const ENERGY: [(&str, EnergyTerm); 11] = [
     ("gravity_energy_j", |b| b.gravity),
     ("friction_loss_j", |b| b.friction),
     ("contact_damping_loss_j", |b| b.contact_damping),
@@ -84,8 +93,24 @@ const ENERGY: [(&str, EnergyTerm); 10] = [
     ("local_damping_loss_j", |b| b.local_damping),
     ("fluid_work_j", |b| b.fluid_work),
     ("wall_work_j", |b| b.wall_work),
+    ("cell_work_j", |b| b.cell_work),
     ("energy_residual_j", |b| b.residual),
 ];
+
+/// What the fluid between neighbours took, where it acts on them.
+const FILMS: [(&str, EnergyTerm); 6] = [
+    ("viscous_shear_loss_j", |b| b.viscous_shear),
+    ("normal_lubrication_loss_j", |b| b.normal_lubrication),
+    ("shear_lubrication_loss_j", |b| b.shear_lubrication),
+    ("pump_torque_loss_j", |b| b.pump_torque),
+    ("twist_torque_loss_j", |b| b.twist_torque),
+    ("film_energy_j", |b| b.film_elastic),
+];
+
+/// Whether the fluid of a plan acts between neighbours.
+fn has_films(plan: &Plan) -> bool {
+    plan.fluid.as_ref().is_some_and(|fluid| fluid.effects.edges.any())
+}
 
 /// Components of a tensor, by rows.
 const COMPONENTS: [&str; 9] = ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"];
@@ -138,6 +163,9 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         let balance = simulation.coupled().dem().energy_balance();
         let term = |of: EnergyTerm| balance.as_ref().map_or(f64::NAN, of);
         values.extend(ENERGY.map(|(_, of)| Value::from(term(of))));
+        if has_films(simulation.plan()) {
+            values.extend(FILMS.map(|(_, of)| Value::from(term(of))));
+        }
     }
     values.extend(simulation.coupled().probe_pressures().map(Value::from));
     let extremes = simulation.stress_extremes();
@@ -148,6 +176,13 @@ pub fn row<'a>(simulation: &'a Simulation, servos: &[WallId], values: &mut Vec<V
         for tensor in [cell.strain, cell.stress] {
             values.extend(tensor.transpose().iter().map(|&x| Value::from(x)));
         }
+        if simulation.plan().fluid.is_some() {
+            values.extend(cell.fluid_velocity.iter().map(|&u| Value::from(u)));
+        }
+    }
+    if simulation.plan().output.energy && !simulation.plan().motions.is_empty() {
+        let balance = simulation.coupled().dem().energy_balance();
+        values.push(balance.map_or(f64::NAN, |b| b.motion_work).into());
     }
     if simulation.plan().bonds.is_some() {
         let dem = simulation.coupled().dem();

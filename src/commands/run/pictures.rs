@@ -167,7 +167,9 @@ fn largest_shear(m: &StressPath) -> Option<[usize; 2]> {
 /// A cut through the middle of the packing, coloured by pore pressure.
 pub fn section(folder: &Path, simulation: &Simulation, moment: &str) -> Result<()> {
     let coupled = simulation.coupled();
-    let Some(flow) = coupled.storage_flow() else { return Ok(()) };
+    // A cut through a periodic cell would show each pore at its faces on one side only.
+    let between_walls = coupled.dem().cell().is_none();
+    let Some(flow) = coupled.storage_flow().filter(|_| between_walls) else { return Ok(()) };
     let particles = coupled.dem().storage();
     let bounds = coupled.dem().box_();
     let (points, cells) =

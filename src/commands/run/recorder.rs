@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use dempfv::dem::PeriodicCell;
 use dempfv::io::checkpoint;
 use dempfv::io::history::History;
 use dempfv::io::vtk::{self, Collection, SphereFrame};
@@ -154,7 +155,7 @@ impl Frames {
         let (step, time) = (simulation.step(), simulation.time());
         let coupled = simulation.coupled();
         let particles = coupled.dem().storage();
-        let fluid = coupled.storage_flow().map(|f| f.force());
+        let fluid = coupled.storage_fluid_force();
         let force: Vec<Vec3> = match fluid {
             Some(fluid) => {
                 coupled.dem().storage_forces().iter().zip(fluid).map(|(a, b)| a + b).collect()
@@ -181,9 +182,18 @@ impl Frames {
         vtk::write_spheres(&folder.join(&name), &frame)?;
         self.spheres.push(time, &name)?;
         let Some(flow) = coupled.storage_flow() else { return Ok(()) };
+        let (network, position) = (flow.network(), &particles.position);
         let bounds = coupled.dem().box_();
-        let (points, cells) = vtk::pore_cells(flow.network(), &particles.position, &bounds)?;
-        let volume = flow.network().volumes_at(&particles.position, &bounds)?;
+        let ((points, cells), volume) = match coupled.dem().cell().map(PeriodicCell::cell) {
+            None => {
+                let volume = network.volumes_at(position, &bounds)?;
+                (vtk::pore_cells(network, position, &bounds)?, volume)
+            }
+            Some(cell) => {
+                let volume = network.volumes_in_cell(position, cell)?;
+                (vtk::pore_cells_in_cell(network, position, cell)?, volume)
+            }
+        };
         let name = format!("pores-{step:09}.vtu");
         vtk::write_cells(
             &folder.join(&name),

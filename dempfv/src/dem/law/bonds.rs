@@ -214,13 +214,15 @@ pub(super) fn shear_off<G: Geometry>(
         if shorn {
             let bond = bond.broken();
             let compression = bond.compression(batch.geometry.overlap(l));
+            let elastic = terms.stiffness[l] * compression;
             if compression > 0.0 {
-                terms.push[l] = (terms.stiffness[l] * compression + terms.viscous[l]).max(0.0);
+                terms.push[l] = (elastic + terms.viscous[l]).max(0.0);
             } else {
                 // Nothing acts: as for a pair that does not touch.
                 terms.push[l] = 0.0;
                 put(&mut terms.drag, l, [0.0; 3]);
             }
+            terms.damped[l] = terms.push[l] - elastic;
             terms.grip[l] = terms.push[l];
             terms.strength[l] = 0.0;
             store(batch, slot, l, bond);

@@ -22,7 +22,7 @@ pub enum Needs {
 
 /// Stiffnesses of a contact (N/m), as the bound of the time step, servo walls
 /// and observations take them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stiffness {
     /// Along the normal.
     pub normal: f64,
@@ -135,6 +135,12 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
         overlap: f64,
     ) -> Stiffness;
 
+    /// Coefficient (N s/m) of the dashpot along the normal at an `overlap` (m), for walls that a servo
+    /// moves: it resists their shift by as much over the time step.
+    fn dashpot(&self, _parameters: &Self::Parameters, _radii: impl Radii, _overlap: f64) -> f64 {
+        0.0
+    }
+
     /// The force that an observer sees between two steps, from the overlap (m)
     /// and the history. What velocities add is seen only where the history
     /// keeps it.
@@ -154,6 +160,12 @@ pub trait ContactLaw: Clone + Debug + Send + Sync + 'static {
         overlap: f64,
         history: &Self::History,
     ) -> f64;
+
+    /// Force of the dashpots on the second body (N) that a law keeps, where energy is tracked, to book
+    /// what they do in the second half of the step. None for a law without dashpots.
+    fn viscous_force(&self, _history: &Self::History) -> Vec3 {
+        Vec3::zeros()
+    }
 
     /// Bonds two spheres with this overlap and these radii (m) for good, if they are near enough;
     /// tells whether. Never for a law without bonds.

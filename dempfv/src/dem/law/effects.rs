@@ -65,24 +65,29 @@ impl GranularEffects {
         };
         let rolling = usize::from(self.rolling.is_some());
         let twisting = usize::from(self.twisting.is_some());
-        NAMES[held][rolling + 2 * twisting]
+        NAMES[usize::from(self.restitution.is_some())][held][rolling + 2 * twisting]
     }
 }
 
-/// Names by what holds contacts together, and by what resists their turning.
-const NAMES: [[&str; 4]; 3] = [
-    ["granular", "granular, rolling", "granular, twisting", "granular, rolling and twisting"],
+macro_rules! by_turning {
+    ($law:literal) => {
+        [
+            $law,
+            concat!($law, ", rolling"),
+            concat!($law, ", twisting"),
+            concat!($law, ", rolling and twisting"),
+        ]
+    };
+}
+
+/// Names by whether dashpots damp contacts, by what holds them together, and by what resists their
+/// turning.
+const NAMES: [[[&str; 4]; 3]; 2] = [
+    [by_turning!("granular"), by_turning!("granular, JKR"), by_turning!("granular, bonds")],
     [
-        "granular, JKR",
-        "granular, JKR, rolling",
-        "granular, JKR, twisting",
-        "granular, JKR, rolling and twisting",
-    ],
-    [
-        "granular, bonds",
-        "granular, bonds, rolling",
-        "granular, bonds, twisting",
-        "granular, bonds, rolling and twisting",
+        by_turning!("granular, damped"),
+        by_turning!("granular, damped, JKR"),
+        by_turning!("granular, damped, bonds"),
     ],
 ];
 
@@ -93,6 +98,7 @@ pub(super) struct Slots {
     pub twisting: usize,
     pub contact: usize,
     pub bond: usize,
+    pub viscous: usize,
     /// Numbers in all.
     pub length: usize,
 }
@@ -103,7 +109,8 @@ impl Slots {
         let twisting = rolling + 3 * usize::from(effects.rolling.is_some());
         let contact = twisting + usize::from(effects.twisting.is_some());
         let bond = contact + usize::from(matches!(effects.adhesion, Some(Adhesion::Jkr(_))));
-        let length = bond + 2 * usize::from(effects.bonds.is_some());
-        Slots { rolling, twisting, contact, bond, length }
+        let viscous = bond + 2 * usize::from(effects.bonds.is_some());
+        let length = viscous + 3 * usize::from(effects.restitution.is_some());
+        Slots { rolling, twisting, contact, bond, viscous, length }
     }
 }

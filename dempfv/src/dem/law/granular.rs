@@ -268,6 +268,16 @@ impl ContactLaw for Granular {
         result
     }
 
+    #[inline(always)]
+    fn dashpot(&self, p: &GranularParameters, radii: impl Radii, overlap: f64) -> f64 {
+        if p.damping_ratio == 0.0 {
+            return 0.0;
+        }
+        let stiffness = self.normal_stiffness(p, radii, overlap);
+        let mass = radii.reduced_mass(p.densities);
+        2.0 * self.shape() * p.damping_ratio * (mass * stiffness).sqrt()
+    }
+
     fn force(
         &self,
         p: &GranularParameters,
@@ -296,9 +306,19 @@ impl ContactLaw for Granular {
         energy + sheared + self.turning_energy(stiffness, history)
     }
 
+    fn viscous_force(&self, history: &Memory) -> Vec3 {
+        match self.effects.restitution {
+            Some(_) => Vec3::from_column_slice(&history.0[self.slots.viscous..][..3]),
+            None => Vec3::zeros(),
+        }
+    }
+
     /// Rolling and twisting are the same seen from either body.
     fn reversed(&self, mut history: Memory) -> Memory {
         history.0[..3].iter_mut().for_each(|x| *x = -*x);
+        if self.effects.restitution.is_some() {
+            history.0[self.slots.viscous..][..3].iter_mut().for_each(|x| *x = -*x);
+        }
         history
     }
 
@@ -335,6 +355,9 @@ impl ContactLaw for Granular {
             _ => terms.grip = terms.push,
         }
         if MOTION && batch.dt != 0.0 {
+            if self.effects.hertz.is_some() && self.jkr_work().is_none() {
+                hertz::grow(batch, terms);
+            }
             if TORQUES && batch.tracks_energy {
                 self.lose_by_turning(batch, terms, parameters);
             }
@@ -345,6 +368,9 @@ impl ContactLaw for Granular {
         }
         if MOTION && batch.dt != 0.0 && batch.tracks_energy {
             self.lose::<G, TORQUES>(batch, terms, parameters);
+        }
+        if MOTION && batch.tracks_energy && self.effects.restitution.is_some() {
+            restitution::keep(batch, terms, self.slots.viscous);
         }
         sum::<G, MOTION, TORQUES>(batch, terms);
         if TORQUES && let Some(rolling) = &self.effects.rolling {
@@ -403,9 +429,6 @@ impl Granular {
     ) {
         shear::follow::<G, TORQUES>(batch, terms, parameters);
         if self.effects.hertz.is_some() {
-            if self.jkr_work().is_none() {
-                hertz::grow(batch, terms);
-            }
             shear::shrink(batch, terms);
         }
         if self.effects.bonds.is_some() {
@@ -432,7 +455,7 @@ impl Granular {
     ) {
         shear::lose(batch, terms, parameters, self.effects.hertz.is_some());
         if self.effects.restitution.is_some() {
-            restitution::lose::<G, TORQUES>(batch, terms);
+            restitution::lose::<G, TORQUES>(batch, terms, self.slots.viscous);
         }
         if let Some(work) = self.jkr_work() {
             jkr::lose(batch, terms, parameters, work, self.slots.contact);

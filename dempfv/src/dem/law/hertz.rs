@@ -98,6 +98,25 @@ pub(super) fn press<G: Geometry>(
     }
 }
 
+/// Factor on the force of a spring whose stiffness goes with the contact radius: where that shrinks,
+/// what no longer touches takes its share along. Without it unloading would leave more energy than
+/// there was. `growth` is the contact radius over what it was a step before; 0 without Hertz's contact.
+#[inline(always)]
+pub(super) fn kept_force(growth: f64) -> f64 {
+    if growth > 0.0 { growth.min(1.0) } else { 1.0 }
+}
+
+/// What such a spring of stiffness k and force F loses, over F²/2k of now: where it grows stiffer, the
+/// force stays.
+#[inline(always)]
+pub(super) fn lost_share(growth: f64) -> f64 {
+    match growth {
+        growth if growth > 1.0 => growth - 1.0,
+        growth if growth > 0.0 => 1.0 / growth - 1.0,
+        _ => 0.0,
+    }
+}
+
 /// How the contact radius has grown in the step: a² = R* δ, and δ was the rate of separation times
 /// the step larger.
 #[inline(always)]

@@ -6,7 +6,7 @@ use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
 use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
-use super::vector::{dot, scaled};
+use super::vector::{add_scaled, dot, scaled, tangential};
 use crate::dem::error::DemError;
 use crate::effect::{Effect, EffectKey, Family};
 
@@ -131,17 +131,43 @@ pub(super) fn drag<G: Geometry, const TORQUES: bool>(
     }
 }
 
-/// What the dashpots have dissipated, by their forces at the end of the step.
+/// What the dashpots have dissipated: their forces act over half the way of the step before them and
+/// half that of the step after, of which the first is known with the forces of now, and the second
+/// with those from `slot` of the history on.
 #[inline(always)]
-pub(super) fn lose<G: Geometry, const TORQUES: bool>(batch: &mut Batch<G, Memory>, terms: &Terms) {
+pub(super) fn lose<G: Geometry, const TORQUES: bool>(
+    batch: &mut Batch<G, Memory>,
+    terms: &Terms,
+    slot: usize,
+) {
     let mut lost = ZERO_LANE;
     for l in batch.lanes() {
-        let separation = dot(batch.geometry.velocity(l), batch.geometry.normal(l));
+        let (velocity, normal) = (batch.geometry.velocity(l), batch.geometry.normal(l));
+        let separation = dot(velocity, normal);
         let slip = batch.geometry.slip_velocity::<TORQUES>(l);
-        let power = -terms.damped[l] * separation - dot(get(&terms.drag, l), slip);
-        lost[l] = batch.dt * power;
+        let now = terms.damped[l] * separation + dot(get(&terms.drag, l), slip);
+        let before = [0, 1, 2].map(|k| batch.history[slot + k][l]);
+        let half_turn = batch.geometry.sliding::<TORQUES>(l, batch.dt).half_turn;
+        let normal_before = add_scaled(normal, -2.0, half_turn);
+        // Spins feel what was across the normal of then.
+        let across = add_scaled(before, -dot(before, normal_before), normal_before);
+        let by_spins = add_scaled(slip, -1.0, tangential(velocity, normal));
+        let then = dot(before, velocity) + dot(across, by_spins);
+        lost[l] = -0.5 * batch.dt * (now + then);
     }
     batch.book(Loss::ContactDamping, &lost);
+}
+
+/// Keeps the dashpots' forces on the second bodies, for the next [`lose`].
+#[inline(always)]
+pub(super) fn keep<G: Geometry>(batch: &mut Batch<G, Memory>, terms: &Terms, slot: usize) {
+    for l in batch.lanes() {
+        let drag = get(&terms.drag, l);
+        let force = add_scaled(drag, terms.damped[l], batch.geometry.normal(l));
+        for (lane, x) in batch.history[slot..].iter_mut().zip(force) {
+            lane[l] = x;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
+use super::hertz::{kept_force, lost_share};
 use super::loss::Loss;
 use super::resistance::Resistance;
 use super::terms::{GranularParameters, Memory, Terms};
@@ -62,7 +63,7 @@ fn step<G: Geometry>(
 ) -> Step {
     let motion = batch.geometry.sliding::<true>(l, batch.dt);
     let (turned, ratio) = turn([0, 1, 2].map(|k| batch.history[slot + k][l]), &motion);
-    let before = scaled(ratio.sqrt(), turned);
+    let before = scaled(ratio.sqrt() * kept_force(terms.growth[l]), turned);
     let way = scaled(batch.dt, rolling_velocity(batch, l));
     let trial = add_scaled(before, -resistance.spring(terms.stiffness[l]), way);
     Step { before, trial, now: cut(trial, resistance.friction * terms.grip[l]) }
@@ -112,9 +113,10 @@ pub(super) fn lose<G: Geometry>(
         let force = force(batch, terms, &parameters(l), (resistance, now), l);
         let drag = add_scaled(force, -1.0, now);
         let slid = dot(add_scaled(before, 1.0, now), add_scaled(trial, -1.0, now));
+        let changed = lost_share(terms.growth[l]) * dot(before, before);
         let spring = resistance.spring(terms.stiffness[l]);
-        let slid = if spring > 0.0 { 0.5 * slid / spring } else { 0.0 };
-        lost[l] = slid - batch.dt * dot(drag, rolling_velocity(batch, l));
+        let lost_by_spring = if spring > 0.0 { 0.5 * (slid + changed) / spring } else { 0.0 };
+        lost[l] = lost_by_spring - batch.dt * dot(drag, rolling_velocity(batch, l));
     }
     batch.book(Loss::Rolling, &lost);
 }

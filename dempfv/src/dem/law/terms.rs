@@ -3,8 +3,9 @@
 use super::batch::{Lane, UpTo, ZERO_LANE};
 
 /// The most that a contact of the granular law remembers: shear force (3), rolling force (3),
-/// twisting force (1), radius of an adhesive contact (1) or state and length of a bond (2).
-pub type Memory = UpTo<9>;
+/// twisting force (1), radius of an adhesive contact (1) or state and length of a bond (2), force of the
+/// dashpots (3).
+pub type Memory = UpTo<12>;
 
 /// Constants of a contact of the granular law.
 #[derive(Clone, Copy, Debug, PartialEq)]

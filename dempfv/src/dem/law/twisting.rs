@@ -2,6 +2,7 @@
 
 use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
+use super::hertz::{kept_force, lost_share};
 use super::loss::Loss;
 use super::resistance::Resistance;
 use super::terms::{GranularParameters, Memory, Terms};
@@ -59,7 +60,8 @@ pub(super) fn follow<G: Geometry>(
     for l in batch.lanes() {
         let (velocity, _) = twist(batch, terms, &parameters(l), resistance, l);
         let way = velocity * batch.dt;
-        let spring = batch.history[slot][l] - resistance.spring(terms.stiffness[l]) * way;
+        let before = kept_force(terms.growth[l]) * batch.history[slot][l];
+        let spring = before - resistance.spring(terms.stiffness[l]) * way;
         batch.history[slot][l] = force(terms, resistance, (spring, 0.0), l);
     }
 }
@@ -77,12 +79,14 @@ pub(super) fn lose<G: Geometry>(
     for l in batch.lanes() {
         let (velocity, drag) = twist(batch, terms, &parameters(l), resistance, l);
         let (spring, way) = (resistance.spring(terms.stiffness[l]), velocity * batch.dt);
-        let before = batch.history[slot][l];
+        let before = kept_force(terms.growth[l]) * batch.history[slot][l];
         let trial = before - spring * way;
         let now = force(terms, resistance, (trial, 0.0), l);
         let drag = force(terms, resistance, (now, drag), l) - now;
-        let slid = if spring > 0.0 { 0.5 * (before + now) * (trial - now) / spring } else { 0.0 };
-        lost[l] = slid - drag * way;
+        let slid = (before + now) * (trial - now);
+        let changed = lost_share(terms.growth[l]) * before * before;
+        let lost_by_spring = if spring > 0.0 { 0.5 * (slid + changed) / spring } else { 0.0 };
+        lost[l] = lost_by_spring - drag * way;
     }
     batch.book(Loss::Rolling, &lost);
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 pub use collection::Collection;
 use grid::{Array, Column, Grid};
-pub use pore_cells::pore_cells;
+pub use pore_cells::{pore_cells, pore_cells_in_cell};
 
 use crate::Vec3;
 use crate::io::error::Result;

@@ -3,8 +3,8 @@
 use super::Cells;
 use crate::input::InputError;
 use crate::io::error::Result;
-use crate::pfv::Network;
-use crate::{Aabb, Vec3};
+use crate::pfv::{Network, cell_corners};
+use crate::{Aabb, Cell, Vec3};
 
 /// Corners of a box counted in binary (bit 0 along the first edge, and so on)
 /// in the order of a hexahedron: around one face, then around the other.
@@ -23,11 +23,7 @@ pub fn pore_cells(
     bounds: &Aabb,
 ) -> Result<(Vec<Vec3>, Cells)> {
     let t = &network.tessellation;
-    if position.len() != t.spheres {
-        let what = format!("`position` has {} entries", position.len());
-        let remedy = format!("give one centre for each of the {} spheres", t.spheres);
-        return Err(InputError::new(what, remedy).into());
-    }
+    require_one_per_sphere(network, position)?;
     let mut points = position.to_vec();
     let mut cells = Cells::default();
     let mut corners = Vec::with_capacity(8);
@@ -56,4 +52,36 @@ pub fn pore_cells(
     }
     cells.orient(&points);
     Ok((points, cells))
+}
+
+/// The pores of a periodic cell as tetrahedra with points of their own (m): each in one piece, where
+/// one of its spheres is; cell `i` is pore `i`. Any copy of a sphere may be given.
+///
+/// # Errors
+/// An [`InputError`] when there is not one position per sphere.
+pub fn pore_cells_in_cell(
+    network: &Network,
+    position: &[Vec3],
+    cell: &Cell,
+) -> Result<(Vec<Vec3>, Cells)> {
+    require_one_per_sphere(network, position)?;
+    let mut points = vec![];
+    let mut cells = Cells::default();
+    for pore in &network.tessellation.cells {
+        let first = points.len() as u32;
+        points.extend(cell_corners(pore, position, cell));
+        cells.push_tetra([0, 1, 2, 3].map(|k| first + k));
+    }
+    cells.orient(&points);
+    Ok((points, cells))
+}
+
+fn require_one_per_sphere(network: &Network, position: &[Vec3]) -> Result<()> {
+    let spheres = network.tessellation.spheres;
+    if position.len() == spheres {
+        return Ok(());
+    }
+    let what = format!("`position` has {} entries", position.len());
+    let remedy = format!("give one centre for each of the {spheres} spheres");
+    Err(InputError::new(what, remedy).into())
 }

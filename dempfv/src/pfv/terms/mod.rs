@@ -4,8 +4,8 @@
 //! The balance of pore i is Σ_j g_ij (p_j − p_i) = V̇_i + Σ_terms u_i: what flows in through throats
 //! is what its growth and the terms take up (m³/s). A term that stores fluid takes up
 //! S_i (p_i − p_i') / Δt, p' the pressure when the step began: S/Δt on the diagonal of the matrix. It
-//! is there when the matrix is made ([`StepTerms`]). A force between the two spheres of an edge
-//! would be added where `Flow::update_force` evaluates `f = F p`; no term of today needs it.
+//! is there when the matrix is made ([`StepTerms`]). Forces between the two spheres of an edge need
+//! spins and contacts: they are in `coupling/edges`.
 
 mod compressibility;
 mod source;

@@ -16,6 +16,9 @@ pub(in crate::scene) static GRADIENT: Schema =
     Schema::by_component("`velocity_gradient`", &COMPONENTS);
 pub(in crate::scene) static STRESS: Schema = Schema::by_component("`cell_stress`", &COMPONENTS);
 
+/// What is left of a sum of three rates, over the largest.
+const ROUND_OFF: f64 = 1e-14;
+
 const RATE: Number = number("1/s", Bound::Finite);
 const PRESSURE: Number = number("Pa", Bound::Finite);
 
@@ -74,6 +77,10 @@ fn each(
         Keys::Read(table) => {
             let Some(found) = table.get(key) else { return Ok(()) };
             let inner = found.table(schema)?;
+            if COMPONENTS.iter().all(|name| inner.get(name).is_none()) {
+                let remedy = "name a component, as in { yy = 1.0 }, or leave the key out";
+                return Err(found.error("names no component", remedy));
+            }
             for (k, name) in COMPONENTS.into_iter().enumerate() {
                 let (a, b) = at(k);
                 let Some(value) = inner.get(name) else { continue };
@@ -103,6 +110,50 @@ fn each(
         keys.push((key, inline(&written)));
     }
     Ok(())
+}
+
+/// The first component of a stress that spheres of this modulus (Pa) cannot carry; a tension is
+/// none where nothing pulls.
+pub(super) fn beyond_reach(controls: &CellControls, young: f64, pulls: bool) -> Option<Wrong> {
+    COMPONENTS.into_iter().enumerate().find_map(|(k, name)| {
+        let (a, b) = at(k);
+        let CellControl::Stress(stress) = controls[a][b] else { return None };
+        if stress.abs() > young {
+            let problem = format!(
+                "asks for `cell_stress` {name} = {stress:e} Pa of spheres whose modulus is {young:e} Pa"
+            );
+            return Some(Wrong::new(problem, "give a stress below `young` in [particles]"));
+        }
+        let problem = format!(
+            "asks for the tension `cell_stress` {name} = {stress:e} Pa, but nothing holds the spheres together"
+        );
+        let remedy = "give 0 or more (compression is positive), or add [bonds] or adhesion";
+        (a == b && stress < 0.0 && !pulls).then(|| Wrong::new(problem, remedy))
+    })
+}
+
+/// How a cell would change its volume, which an incompressible fluid cannot follow.
+pub(super) fn changes_volume(controls: &CellControls) -> Option<Wrong> {
+    let (mut sum, mut size, mut held) = (0.0, 0.0f64, None);
+    for (k, row) in controls.iter().enumerate() {
+        match row[k] {
+            CellControl::Rate(rate) => (sum, size) = (sum + rate, size.max(rate.abs())),
+            CellControl::Stress(_) => held = held.or(Some(COMPONENTS[4 * k])),
+        }
+    }
+    let problem = match held {
+        Some(name) => {
+            format!("asks for `cell_stress` {name}, for which the cell changes its volume")
+        }
+        None if sum.abs() > ROUND_OFF * size => {
+            format!("changes the volume of the cell, by {sum:e} of itself per second")
+        }
+        None => return None,
+    };
+    let problem = problem + ", and the fluid is incompressible";
+    let remedy = "give xx, yy and zz rates whose sum is 0, or the fluid a `bulk_modulus` (Pa), or the stage \
+                  `fluid = false`";
+    Some(Wrong::new(problem, remedy))
 }
 
 /// A shear stress that is given by both its components.

@@ -33,6 +33,28 @@ use crate::input::InputError;
 
 type Result<T> = std::result::Result<T, InputError>;
 
+/// The name of a stage.
+pub(super) struct StageName;
+
+impl Kind<String> for StageName {
+    fn read(&self, value: &Value) -> Result<String> {
+        value.text("the name of a stage").map(str::to_owned)
+    }
+
+    fn wrong(&self, _: &String) -> Option<Wrong> {
+        None
+    }
+
+    fn write(&self, name: &String) -> Option<String> {
+        Some(quoted(name))
+    }
+}
+
+/// Whether what begins with the stage named in `from`, or with the first, begins with this one.
+pub(super) fn begins_with(from: Option<&str>, stage: &str, is_first: bool) -> bool {
+    from.map_or(is_first, |from| from == stage)
+}
+
 /// A stage of the simulation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stage {
@@ -281,10 +303,23 @@ impl Stage {
                 "moves a periodic cell, but there is none",
                 "add [cell] with its `size`, or move `walls`",
             ),
-            StageKind::Run(_) | StageKind::Compact(_) => None,
+            StageKind::Run(_) | StageKind::Compact(_) | StageKind::Permeability(_) => None,
             _ if !is_cell => None,
             _ => in_cell("needs walls, but [cell] leaves none", "give [box] in its place"),
         }
+    }
+
+    /// What is wrong with the stresses asked for in a periodic cell of spheres of this modulus
+    /// (Pa), which something holds together or not.
+    pub(super) fn cell_stress_wrong(&self, young: f64, pulls: bool) -> Option<Wrong> {
+        let StageKind::Run(run) = &self.kind else { return None };
+        cell_controls::beyond_reach(&run.cell, young, pulls)
+    }
+
+    /// What is wrong with this stage where an incompressible fluid fills a periodic cell.
+    pub(super) fn volume_wrong(&self) -> Option<Wrong> {
+        let StageKind::Run(run) = &self.kind else { return None };
+        cell_controls::changes_volume(&run.cell).filter(|_| run.fluid)
     }
 
     /// What is wrong with this stage alone.

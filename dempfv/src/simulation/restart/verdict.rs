@@ -42,6 +42,12 @@ pub(super) fn verdict(plan: &Plan, difference: &Difference, under_way: &UnderWay
         ["walls", ..] => Verdict::Odd(MEASURED.to_owned()),
         ["contacts", ref keys @ ..] => contacts(keys, difference),
         ["bonds", ref keys @ ..] => bonds(keys, difference),
+        ["material" | "pair", ..] => Verdict::Refused(
+            "a restart goes on with the materials that the run began with".to_owned(),
+        ),
+        ["motion", ..] => {
+            Verdict::Refused("spheres go on with the motions that the run began with".to_owned())
+        }
         ["dem", "gravity" | "rotation"] | ["fluid"] | ["dem"] => Verdict::Odd(String::new()),
         ["dem", "dt" | "damping"] => used("by stages that give none of their own"),
         ["fluid", ref keys @ ..] => fluid(keys, under_way),
@@ -69,7 +75,7 @@ fn seed(plan: &Plan) -> Verdict {
 fn particles(plan: &Plan, keys: &[&str]) -> Verdict {
     match (keys, &plan.particles.source) {
         (["packing", ..], ParticleSource::Packing(_)) => used("its spheres are the same"),
-        (["packing" | "cloud", ..], _) => {
+        (["packing" | "cloud" | "clump", ..], _) => {
             Verdict::Refused("a restart goes on with the spheres that it has".to_owned())
         }
         (["density"], _) => Verdict::Odd("masses change, velocities stay".to_owned()),

@@ -52,6 +52,7 @@ impl<'a> Changes<'a> {
             "conductance_factor",
             "conductance_regions",
             "blocked",
+            "pressure_gradient",
         ];
         self.has(&["particles", "density"]) || fluid.iter().any(|key| self.has(&["fluid", key]))
     }

@@ -8,6 +8,7 @@ use crate::coupling::{Coupled, Phase};
 use crate::dem::{GrowthCompaction, GrowthOptions};
 use crate::scene::{self, Plan, TimeStep};
 use crate::simulation::outcome::{Compaction, Outcome};
+use crate::simulation::setup;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -56,7 +57,7 @@ impl State {
             context.clock.advance();
             return Ok(Progress::Running);
         }
-        coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
+        setup::own_materials(coupled, context.plan)?;
         // The spheres have found their places: neighbours in space become
         // neighbours in memory.
         coupled.sort_spatially()?;

@@ -1,11 +1,12 @@
 //! What a stage works on.
 
 use crate::coupling::Coupled;
-use crate::scene::{Dem, Plan, Stage, TimeStep};
+use crate::dem::{Contact, Partner};
+use crate::scene::{Dem, GivenMotion, Plan, Stage, TimeStep};
 use crate::simulation::clock::Clock;
 use crate::simulation::estimate::UnstableStage;
 use crate::simulation::outcome::{Outcome, StageOutcome};
-use crate::simulation::warning::{Warning, warn};
+use crate::simulation::warning::{BondsUnderLoad, Warning, warn};
 use crate::{InputError, Result};
 
 /// Steps of a stage between two looks at whether its fixed time step is stable.
@@ -73,6 +74,41 @@ impl Context<'_> {
         let bounds = self.coupled.time_step_bounds();
         if let Some(unstable) = UnstableStage::of(self.plan, self.stage, bounds) {
             warn(self.warnings, Warning::UnstableTimeStep(unstable));
+        }
+        Ok(())
+    }
+
+    /// Bonds the spheres, and says where that took a load off contacts.
+    pub fn bond(&mut self) -> Result<()> {
+        self.coupled.compute_contacts()?;
+        let between_spheres = |c: &Contact| matches!(c.partner, Partner::Sphere(_));
+        let contacts = self.coupled.dem().contacts().filter(between_spheres);
+        let loaded = contacts.filter(|contact| contact.normal_force > 0.0).count() as u64;
+        let made = self.coupled.controls().bond()?;
+        if loaded > 0 {
+            let stage = self.stage.name.clone();
+            warn(self.warnings, Warning::BondsUnderLoad(BondsUnderLoad { stage, loaded, made }));
+        }
+        Ok(())
+    }
+
+    /// Gives the motions that begin with the stage.
+    pub fn give_motions(&mut self, is_first: bool) -> Result<()> {
+        let begins = |m: &&GivenMotion| m.begin_with(&self.stage.name, is_first);
+        for (place, given) in self.plan.motions.iter().enumerate().filter(|(_, m)| begins(m)) {
+            let dem = self.coupled.dem();
+            let numbers = given.which.chosen(&dem.positions(), &dem.radii());
+            if numbers.is_empty() {
+                let what = format!(
+                    "[[motion]] {} has no sphere when stage \"{}\" begins",
+                    place + 1,
+                    self.stage.name
+                );
+                let remedy = "give a region with the centre of a sphere in it";
+                return Err(InputError::new(what, remedy).into());
+            }
+            let time = self.clock.time;
+            self.coupled.controls().prescribe(&numbers, given.motion.clone(), time)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The stages of a scene, one file per kind. A stage holds what must survive a
 //! checkpoint in the midst of it.
 
+mod cell_watch;
 mod changes;
 mod compact;
 mod consolidate;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_watch::CellWatch;
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
@@ -11,6 +12,7 @@ use crate::scene::{self, Plan, Until};
 use crate::simulation::StageError;
 use crate::simulation::clock::Clock;
 use crate::simulation::outcome::{CellState, Outcome, StressPath, StressPathSample};
+use crate::simulation::setup;
 use crate::{Axis, Result, Tensor, WallId};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,7 @@ pub struct State {
     /// stage longer.
     ahead: u64,
     servos: ServoWatch,
+    cell: CellWatch,
 }
 
 /// Moments of the stage's course that are kept.
@@ -70,6 +73,7 @@ impl State {
             samples: vec![],
             ahead: 0,
             servos: ServoWatch::default(),
+            cell: CellWatch::of(context.coupled),
         };
         set_friction(context.coupled, plan, context.plan)?;
         Ok(state)
@@ -88,7 +92,8 @@ impl State {
         for (wall, control) in plan.walls.iter().filter(|(wall, _)| changes.of_wall(*wall)) {
             coupled.controls().set_control(wall, *control)?;
         }
-        if changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress") {
+        let moves = changes.in_stage("velocity_gradient") || changes.in_stage("cell_stress");
+        if moves {
             set_cell(coupled, plan)?;
         }
         self.end = End::of(plan.until, start);
@@ -100,6 +105,9 @@ impl State {
         }
         if end || changes.in_stage("walls") {
             self.servos = ServoWatch::default();
+        }
+        if end || moves {
+            self.cell = CellWatch::of(coupled);
         }
         Ok(())
     }
@@ -137,7 +145,9 @@ impl State {
             context.step()?;
             self.steps += 1;
             let over = self.is_over(context)?;
-            self.servos.look(context, self.progress(context.clock));
+            let progress = self.progress(context.clock);
+            self.servos.look(context, progress);
+            self.cell.look(context, progress);
             let share = (self.samples.len() as u64).saturating_sub(self.ahead);
             if over || self.progress(context.clock) * SAMPLES >= share as f64 {
                 self.samples.push(self.sample(context));
@@ -147,7 +157,8 @@ impl State {
             }
         }
         self.servos.warn(context);
-        context.coupled.controls().set_friction(context.plan.particles.material.friction_angle)?;
+        self.cell.warn(context);
+        setup::own_materials(context.coupled, context.plan)?;
         let coupled = &context.coupled;
         Ok(Progress::Finished(Outcome::Run(StressPath {
             strain: self.reference.strain(coupled),
@@ -198,8 +209,11 @@ fn set_cell(coupled: &mut Coupled, plan: &scene::Run) -> Result<()> {
     Ok(())
 }
 
-/// Friction of the stage, else that of the scene's spheres.
+/// Friction of the stage, else that of the scene's materials.
 fn set_friction(coupled: &mut Coupled, plan: &scene::Run, scene: &Plan) -> Result<()> {
-    let angle = plan.friction_angle.unwrap_or(scene.particles.material.friction_angle);
-    Ok(coupled.controls().set_friction(angle)?)
+    setup::own_materials(coupled, scene)?;
+    match plan.friction_angle {
+        Some(angle) => Ok(coupled.controls().set_friction(angle)?),
+        None => Ok(()),
+    }
 }

@@ -8,10 +8,10 @@ use crate::simulation::warning::{ServoMissed, Warning, warn};
 use crate::{PerWall, WallId};
 
 /// Parts of a stage: the last one is looked at.
-const PARTS: f64 = 10.0;
+pub(super) const PARTS: f64 = 10.0;
 /// A mean stress may miss its goal by this share of it, and single steps by this one.
-const MISS: f64 = 0.05;
-const SWING: f64 = 0.5;
+pub(super) const MISS: f64 = 0.05;
+pub(super) const SWING: f64 = 0.5;
 
 /// The stresses on servo walls since the last part of a stage began.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

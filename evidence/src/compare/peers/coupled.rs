@@ -5,9 +5,9 @@ use serde_json::Value;
 
 use super::Contest;
 use super::job::{Job, Run, Steps};
-use super::sample::{Sample, worst};
 use super::sizes::Placed;
 use crate::Error;
+use crate::bench::sample::{Sample, worst};
 use crate::compare::time::{INTERVAL, Specimen, Times, Tuning, YadeRun};
 
 /// Packings of more spheres are run with that of YADE's solvers that was faster before.

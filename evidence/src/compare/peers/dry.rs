@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::Contest;
 use super::job::{Dry, Job, Material, Stepped};
 use super::others::Lammps;
-use super::sample::Sample;
 use super::sizes::Placed;
 use crate::Error;
+use crate::bench::sample::Sample;
 
 /// The script that YADE runs.
 const YADE: &str = include_str!("../scripts/step.py");

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Contest;
 use super::job::{Errors, Job, Linear, Made, Solved, System, Systemize};
-use super::sample::{Sample, worst};
 use super::sizes::Placed;
 use crate::Error;
+use crate::bench::sample::{Sample, worst};
 
 /// The script that runs PARDISO.
 const PARDISO: &str = include_str!("../scripts/pardiso.py");

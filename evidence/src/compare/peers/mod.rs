@@ -11,7 +11,6 @@ mod network;
 mod others;
 mod page;
 mod rows;
-mod sample;
 mod sizes;
 
 use std::fmt;

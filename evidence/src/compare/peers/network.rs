@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Contest;
 use super::job::{Build, Built, Job};
-use super::sample::Sample;
 use super::sizes::Placed;
 use crate::Error;
+use crate::bench::sample::Sample;
 
 /// One packing.
 #[derive(Serialize, Deserialize)]

@@ -183,7 +183,7 @@ fn pressures(results: &Results) -> String {
                     |\n|--:|--:|--:|--:|\n"
         .to_owned();
     for case in &results.coupled {
-        let worst = |v: &[f64]| super::sample::worst(v.iter().copied());
+        let worst = |v: &[f64]| crate::bench::sample::worst(v.iter().copied());
         text += &format!(
             "| {} | {:.1e} | {:.1e} | {} |\n",
             count(case.spheres as u64),

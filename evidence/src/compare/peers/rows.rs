@@ -4,8 +4,8 @@ use dempfv_report::format::{count, three_digits};
 
 use super::coupled::{self, TOLERANCE, Way};
 use super::linear::{self, CHOLMOD, PARDISO_NAME, Side};
-use super::sample::{Sample, worst};
 use super::{Contest, Results};
+use crate::bench::sample::{Sample, worst};
 
 /// Largest error of a pressure, of the largest, that a step may have.
 const PRESSURE: f64 = 1e-6;

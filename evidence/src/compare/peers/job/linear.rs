@@ -8,9 +8,9 @@ use dempfv::solver::{SolverKind, blas};
 use dempfv_report::machine;
 use serde::{Deserialize, Serialize};
 
-use super::super::sample::Sample;
 use super::{System, solver_failed};
 use crate::Error;
+use crate::bench::sample::Sample;
 
 /// What is to be solved, how, and how often. The scripts for other solvers read the same
 /// keys.

@@ -10,9 +10,9 @@ use dempfv::simulation::Simulation;
 use dempfv::solver::{SolverKind, SymmetricCsc};
 use serde::{Deserialize, Serialize};
 
-use super::super::sample::worst;
 use super::solver_failed;
 use crate::Error;
+use crate::bench::sample::worst;
 
 /// The reference is refined so often: a correction then changes nothing any more.
 const REFINEMENTS: usize = 3;

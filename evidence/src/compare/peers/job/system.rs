@@ -12,10 +12,10 @@ use dempfv::solver::{SolverKind, SymmetricCsc};
 use dempfv::{Aabb, InputError, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::super::sample::worst;
 use super::network::fluid;
 use super::solver_failed;
 use crate::Error;
+use crate::bench::sample::worst;
 
 /// First number of the file, which is made of little-endian numbers of eight bytes.
 const MAGIC: u64 = 0x6465_6d70_6676_0001;
