@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
+mod calls;
 pub mod coupling;
 pub mod dem;
 mod domain;
@@ -18,6 +19,7 @@ mod stage_error;
 pub mod theory;
 mod time_function;
 
+pub use calls::Calls;
 pub use domain::{Aabb, Axis, Cell, CellError, PerWall, Tensor, UnknownWall, Vec3, WallId};
 pub use domain::{deviatoric_stress, mean_stress};
 pub use effect::{Effect, EffectKey, Family};

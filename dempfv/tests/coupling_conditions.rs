@@ -9,7 +9,7 @@ use dempfv::pfv::terms::PoreSource;
 use dempfv::pfv::{Boundary, Clamp, Flow, Fluid, ImposedPressure, PoreSelection};
 use dempfv::scene::Plan;
 use dempfv::solver::SolverKind;
-use dempfv::{PerWall, TimeFunction, WallId};
+use dempfv::{PerWall, TimeFunction, Vec3, WallId};
 use moving::{bits, dem_of, every};
 
 const DT: f64 = 1e-5;
@@ -75,6 +75,61 @@ fn a_wall_follows_its_pressure() {
                     again.step(DT).unwrap();
                     assert_eq!(bits(&again), *expected, "{acceleration:?} {stop} {step}");
                 }
+            }
+        }
+    }
+}
+
+/// Pressures of points and what enters regions follow their functions too, constant, ramp and sine, with
+/// each way to renew networks; what enters leaves or is stored; and a restart has the same bits.
+#[test]
+fn points_and_regions_follow_their_functions() {
+    let b = settled().bounds;
+    let at = |y: f64| b.min + Vec3::new(0.5, y, 0.5).component_mul(&b.size());
+    let ball = |y: f64| PoreSelection::Around { center: at(y), radius: 0.1 * b.size().y };
+    let points = PoreSelection::At(vec![at(0.2), at(0.25)]);
+    let ramp = TimeFunction::Ramp(vec![[0.0, 0.0], [5.0 * DT, 2e-9], [9.0 * DT, -1e-9]]);
+    let effects = FluidEffects {
+        imposed: vec![
+            ImposedPressure { pores: ball(0.8), pressure: 0.25 },
+            ImposedPressure { pores: points, pressure: sine().value(0.0) },
+        ],
+        imposed_in_time: vec![None, Some(sine())],
+        sources: vec![
+            PoreSource { pores: ball(0.5), rate: 0.0 },
+            PoreSource { pores: PoreSelection::At(vec![at(0.6)]), rate: 1e-9 },
+        ],
+        sources_in_time: vec![Some(ramp.clone())],
+        ..Default::default()
+    };
+    for acceleration in [
+        Acceleration::default(),
+        Acceleration { update: Update::EveryStep, ..Acceleration::default() },
+        Acceleration { remesh: RemeshMode::Ahead, parallel_tasks: true, ..Acceleration::default() },
+    ] {
+        let mut whole = coupled(effects.clone(), acceleration);
+        let mut course = vec![];
+        for step in 1..=20 {
+            whole.step(DT).unwrap();
+            course.push(bits(&whole));
+            let (flow, time) = (whole.storage_flow().unwrap(), whole.model_time());
+            let conditions = flow.operators().conditions();
+            assert_eq!(conditions.pressures()[6..8], [Some(0.25), Some(sine().value(time))]);
+            let swallowed: f64 = flow.volume_rate().iter().sum();
+            let through: f64 = flow.flux().iter().chain(&flow.imposed_flux()).sum();
+            let rate = ramp.value(time) + 1e-9;
+            let size: f64 = flow.flux().iter().map(|q| q.abs()).sum();
+            let lost = rate + through - swallowed;
+            assert!(lost.abs() < 1e-6 * size, "step {step}: {lost:e} of {size:e}");
+        }
+        for stop in [3, 7, 12] {
+            let mut first = coupled(effects.clone(), acceleration);
+            (0..stop).for_each(|_| first.step(DT).unwrap());
+            let mut again = Coupled::from_state(first.state()).unwrap();
+            assert_eq!(again.observe(), first.observe(), "{acceleration:?} {stop}");
+            for (step, expected) in course.iter().enumerate().skip(stop) {
+                again.step(DT).unwrap();
+                assert_eq!(bits(&again), *expected, "{acceleration:?} {stop} {step}");
             }
         }
     }
@@ -153,10 +208,15 @@ fn conditions_of_a_scene_are_read_and_written() {
     };
     let ramp = "pressure = { y_min = { ramp = [[0.0, 1.0], [2.0, 5.0]] }, y_max = 0.0 }";
     let swing = "pressure = { y_min = { mean = 1.0, amplitude = 2.0, frequency = 0.5 } }";
-    for fluid in [ramp, swing] {
+    let profile = "pressure = { y_min = { along = \"x\", points = [[0.0, 2.0], [1.0, 3.0]], plus = { ramp = \
+                   [[0.0, 1.0], [2.0, 5.0]] } }, y_max = 0.0 }\nsources = [{ points = [[0.5, 0.5, 0.5]], rate = \
+                   { mean = 0.0, amplitude = 1.0, frequency = 2.0 } }]\nblocked = [{ center = [0.1, 0.1, 0.1], \
+                   radius = 0.05 }]\nconductance_regions = [{ min = [0.7, 0.7, 0.7], max = [0.9, 0.9, 0.9], \
+                   factor = 2.0 }]\nconductance_factor = 0.5\ndarcy_permeability = 1e-9\ncoupling = \"one-way\"";
+    for fluid in [ramp, swing, profile] {
         let plan = Plan::from_toml(&scene(fluid), None).unwrap();
         assert_eq!(Plan::from_toml(&plan.to_toml(), None).unwrap(), plan);
-        assert!(plan.effects_on().contains(&"pressures in time"));
+        assert!(plan.effects_on().contains(&"conditions in time"));
         assert_eq!(plan.fluid.unwrap().fluid.boundary.pressure[WallId::YMin], Some(1.0));
     }
     let closed = "imposed = [{ center = [0.5, 0.5, 0.5], radius = 0.1, pressure = 1.0 }]";
@@ -173,6 +233,17 @@ fn conditions_of_a_scene_are_read_and_written() {
         ("sources = [{ center = [0.5, 0.5, 0.5], rate = 1.0 }]", "radius"),
         ("sources = [{ rate = 1.0 }]", "`center` and `radius`, or `min` and `max`"),
         ("sources = [{ min = [1, 0, 0], max = [1, 1, 1], rate = 1.0 }]", "above `min`"),
+        ("sources = [{ points = [], rate = 1.0 }]", "one or more finite points"),
+        ("blocked = [{ points = [[0.5, 0.5, 0.5]], center = [0.5, 0.5, 0.5] }]", "not one ball"),
+        ("blocked = [{ points = [[0.5, 0.5, 0.5]], pressure = 1.0 }]", "pressure"),
+        ("conductance_regions = [{ points = [[0.5, 0.5, 0.5]], factor = 0.0 }]", "above 0"),
+        ("conductance_factor = 0.0", "above 0"),
+        ("darcy_permeability = -1.0", "above 0 in m²"),
+        ("coupling = \"both\"", "one-way"),
+        ("pressure = { y_min = { along = \"y\", points = [[0.0, 1.0]] } }", "normal to"),
+        ("pressure = { y_min = { along = \"x\", points = [] } }", "no function of the coordinate"),
+        ("pressure = { y_min = { along = \"x\", points = [[0.0]] } }", "[coordinate, pressure]"),
+        ("pressure = { y_min = { along = \"x\" } }", "points"),
     ] {
         let error =
             Plan::from_toml(&scene(&format!("bulk_modulus = 1e6\n{wrong}")), None).unwrap_err();

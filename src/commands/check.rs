@@ -7,7 +7,7 @@ use dempfv::coupling::TimeStepBounds;
 use dempfv::io::packing::Packing;
 use dempfv::pfv::{Boundary, Fluid, Network, Operators};
 use dempfv::scene::{Plan, Stage, StageKind, TimeStep, Until};
-use dempfv::simulation::{Advice, Estimate, Specimen, Stability};
+use dempfv::simulation::{Advice, Estimate, Specimen, Stability, check_conditions};
 use dempfv::{Aabb, Error};
 use dempfv_report::format::{bytes, count, duration, si, three_digits};
 use dempfv_report::memory::room;
@@ -135,6 +135,7 @@ fn specimen(plan: &Plan) -> Result<Known, Error> {
     let Some((packing, bounds)) = plan.packing()? else {
         return Ok((Specimen::of_cloud(plan).unwrap_or_default(), plan.bounds, None));
     };
+    check_conditions(plan, &packing.position, &packing.radius, bounds)?;
     let radii = &packing.radius;
     let mut specimen = Specimen::of_radii(radii).in_box(radii, &bounds, plan);
     let mut stability = None;
@@ -189,7 +190,7 @@ fn count_pores(
 /// The pressures on the walls in the stages that couple the fluid, else in the first
 /// measurement of a permeability; `None` when no stage has flow.
 fn pressures(plan: &Plan) -> Option<[Option<f64>; 6]> {
-    if plan.stages.iter().any(|s| s.kind.is_coupled()) {
+    if plan.stages.iter().any(|s| s.kind.has_conditions()) {
         return plan.fluid.as_ref().map(|f| f.fluid.boundary.pressure.0);
     }
     plan.stages.iter().find_map(|s| match &s.kind {
@@ -213,7 +214,11 @@ fn time_step(plan: &Plan, stage: &Stage, estimate: &Estimate) -> Option<f64> {
 }
 
 fn steps(kind: &StageKind, dt: Option<f64>) -> Option<u64> {
-    let StageKind::Run(run) = kind else { return None };
+    let run = match kind {
+        StageKind::Run(run) => run,
+        StageKind::Flow(flow) => return Some(flow.steps),
+        _ => return None,
+    };
     match run.until {
         Until::Steps(steps) => Some(steps),
         Until::Time(time) => dt.map(|dt| (time / dt).ceil() as u64),
@@ -256,8 +261,7 @@ impl fmt::Display for Report {
             line(f, "box", &format!("{} × {} × {}", size.x, size.y, size.z))?;
         }
         if let Some(fluid) = &plan.fluid {
-            let coupled = self.estimate.coupled_step.is_some();
-            line(f, "fluid", &describe::fluid(fluid, coupled, plan.cell.is_some()))?;
+            line(f, "fluid", &describe::fluid(fluid, &plan.stages, plan.cell.is_some()))?;
         }
         self.write_mechanics(f)?;
         self.write_cost(f)?;

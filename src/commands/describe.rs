@@ -35,6 +35,14 @@ fn kind(kind: &StageKind) -> String {
         StageKind::Permeability(s) => {
             format!("static flow along {}: measures the permeability", s.axis.name())
         }
+        StageKind::Flow(s) => match s.time {
+            Some(time) => format!(
+                "flow through spheres at rest for {} in {} steps",
+                si(time, "s"),
+                count(s.steps)
+            ),
+            None => "steady flow through spheres at rest".to_owned(),
+        },
         StageKind::Consolidate(s) => format!(
             "{} on {}, coupled, until T_v = {}",
             si(s.stress, "Pa"),
@@ -168,14 +176,20 @@ pub fn source(source: &ParticleSource) -> String {
     }
 }
 
-/// The fluid; its boundary conditions and remeshing where some stage is `coupled`.
-pub fn fluid(fluid: &Fluid, coupled: bool, in_cell: bool) -> String {
+/// The fluid; its boundary conditions where some stage has them, and its remeshing where one is
+/// coupled; in a periodic cell or between walls.
+pub fn fluid(fluid: &Fluid, stages: &[Stage], in_cell: bool) -> String {
+    let any = |holds: fn(&StageKind) -> bool| stages.iter().any(|stage| holds(&stage.kind));
     let viscosity = format!("μ = {}", si(fluid.fluid.viscosity, "Pa·s"));
-    if !coupled {
+    if !any(StageKind::has_conditions) {
         return viscosity;
     }
-    let pressures: Vec<String> =
-        fluid.pressure_walls().map(|(wall, p)| format!("{} on {wall}", si(p, "Pa"))).collect();
+    let profile = |wall| match fluid.effects.wall_profile[wall] {
+        Some(_) => " and a profile",
+        None => "",
+    };
+    let pressure = |(wall, p)| format!("{}{} on {wall}", si(p, "Pa"), profile(wall));
+    let pressures: Vec<String> = fluid.pressure_walls().map(pressure).collect();
     let driven = match fluid.effects.pressure_gradient {
         Some(gradient) => {
             let [x, y, z] = <[f64; 3]>::from(gradient).map(three_digits);
@@ -184,6 +198,9 @@ pub fn fluid(fluid: &Fluid, coupled: bool, in_cell: bool) -> String {
         None if in_cell => "no mean gradient".to_owned(),
         None => format!("{}, no flow through other walls", pressures.join(", ")),
     };
+    if !any(StageKind::is_coupled) {
+        return format!("{viscosity}; {driven}");
+    }
     let how = fluid.acceleration;
     let interval = match fluid.remesh.interval {
         _ if how.auto_interval => Some("as often as the background can follow".to_owned()),
@@ -194,7 +211,7 @@ pub fn fluid(fluid: &Fluid, coupled: bool, in_cell: bool) -> String {
         .strain
         .map(|s| format!("when a pore changes by {} %", three_digits(100.0 * s)));
     let remesh: Vec<String> = interval.into_iter().chain(strain).collect();
-    format!("{viscosity}; {driven}; remesh {}{}", remesh.join(" or "), renewal(&how),)
+    format!("{viscosity}; {driven}; remesh {}{}", remesh.join(" or "), renewal(&how))
 }
 
 /// From which positions networks are built, and by whom, unless plainly.

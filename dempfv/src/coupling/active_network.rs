@@ -2,6 +2,7 @@
 
 use super::edges::EdgeForces;
 use super::error::Result;
+use super::fluid_effects::FluidEffects;
 use super::fluid_state::{FluidState, Followed, Snapshot};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
@@ -20,8 +21,13 @@ pub(super) struct SolidMotion<'a> {
     pub servo: [bool; 6],
     /// The time step (s).
     pub dt: f64,
-    /// Pressures of walls that change with time (Pa), at the end of the step.
-    pub wall_pressure: Option<PerWall<Option<f64>>>,
+    /// Conditions that change with time, and the time at the end of the step (s); `None` where none
+    /// does.
+    pub conditions: Option<(&'a FluidEffects, f64)>,
+    /// Whether the motion squeezes the fluid.
+    pub squeezes: bool,
+    /// Whether there is any: velocities are of no account where spheres and walls stand still.
+    pub moves: bool,
     /// Where they are, if the network follows them.
     pub geometry: Option<SolidGeometry<'a>>,
 }
@@ -44,14 +50,12 @@ const EXHAUSTING_APPLICATIONS: u32 = 24;
 /// A time step so many times as long or as short as the one that the factor is for, too.
 const EXHAUSTING_STEP_RATIO: f64 = 2.0;
 
-/// Tells a flow the pressures of walls (Pa) that have changed.
-pub(super) fn impose(flow: &mut Flow, pressure: Option<PerWall<Option<f64>>>) -> Result<()> {
-    for (wall, pressure) in pressure.iter().flat_map(PerWall::iter) {
-        if let Some(pressure) = pressure {
-            flow.set_wall_pressure(wall, *pressure)?;
-        }
-    }
-    Ok(())
+/// How pores grow between walls, or in a periodic cell.
+fn evaluate_rates(flow: &mut Flow, motion: &SolidMotion) -> Result<()> {
+    Ok(match flow.network().periodic() {
+        None => flow.update_volume_rate(motion.velocity, &motion.walls),
+        Some(_) => flow.update_volume_rate_in_cell(motion.velocity, motion.dilation),
+    }?)
 }
 
 /// A network, and what a checkpoint must know of it.
@@ -92,16 +96,21 @@ impl ActiveNetwork {
             phases.time(Phase::Update, || self.update_geometry(geometry))?;
         }
         self.set_time_step(motion.dt, phases)?;
+        if !motion.squeezes && self.is_steady(motion, phases)? {
+            self.state.since += 1;
+            return Ok(());
+        }
         let ActiveNetwork { flow, state, iterations, .. } = self;
-        phases.time(Phase::VolumeRates, || match flow.network().periodic() {
-            None => flow.update_volume_rate(motion.velocity, &motion.walls),
-            Some(_) => flow.update_volume_rate_in_cell(motion.velocity, motion.dilation),
-        })?;
-        impose(flow, motion.wall_pressure)?;
+        if motion.squeezes {
+            phases.time(Phase::VolumeRates, || evaluate_rates(flow, motion))?;
+        }
+        if let Some((effects, time)) = motion.conditions {
+            effects.impose(flow, time)?;
+        }
         // Before the pressures: where this fails, the step has not begun to change them.
         for wall in WallId::ALL {
             let known = &mut state.resistance[wall];
-            if motion.servo[wall.index()] && known.is_none() {
+            if motion.squeezes && motion.servo[wall.index()] && known.is_none() {
                 *known = Some(phases.time(Phase::Solve, || flow.wall_resistance(wall))?);
                 state.persistence[wall] =
                     phases.time(Phase::Solve, || flow.wall_persistence(wall))?;
@@ -118,11 +127,25 @@ impl ActiveNetwork {
         let solved = state.since > 0;
         state.wall_force_before = solved.then(|| *flow.wall_force());
         phases.time(Phase::FluidForces, || flow.update_force());
-        for (change, rate) in state.volume_change.iter_mut().zip(flow.volume_rate()) {
-            *change += rate * motion.dt;
+        if motion.squeezes {
+            state.book_volumes(flow, motion.dt);
         }
         state.since += 1;
         Ok(())
+    }
+
+    /// Notes how pores grow whose motion squeezes no fluid, where the strain rule asks, and returns
+    /// whether their pressures are those of the step before: there is nothing to solve then.
+    fn is_steady(&mut self, motion: &SolidMotion, phases: &mut Phases) -> Result<bool> {
+        let ActiveNetwork { flow, state, .. } = self;
+        let rested = flow.rest();
+        if motion.moves && !state.volume_change.is_empty() {
+            phases.time(Phase::VolumeRates, || evaluate_rates(flow, motion))?;
+            state.book_volumes(flow, motion.dt);
+            flow.rest();
+        }
+        let same_network = motion.geometry.is_none() && flow.time_step().is_none();
+        Ok(rested && same_network && motion.conditions.is_none() && flow.is_solved())
     }
 
     /// Says how long the step is (s): pores that store fluid make the matrix go with it.

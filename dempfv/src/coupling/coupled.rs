@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
+use super::active_network::ActiveNetwork;
 use super::counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 use super::error::{Result, positive};
 use super::fluid_effects::FluidEffects;
@@ -17,7 +17,7 @@ use super::remesher::Remesher;
 use super::saturation::Saturation;
 use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
-use crate::dem::{Dem, DemError, FluidLoads, WallControl};
+use crate::dem::{Dem, DemError, FluidLoads};
 use crate::parallel::spinning;
 use crate::pfv::{BuildTimes, Flow, ViscousMode};
 use crate::{PerWall, Vec3};
@@ -50,18 +50,18 @@ pub struct Coupled {
     pub(super) time: f64,
     pub(super) largest_residual: f64,
     pub(super) largest_imbalance: f64,
-    update_counts: UpdateCounts,
-    unmet_tolerance: UnmetTolerance,
+    pub(super) update_counts: UpdateCounts,
+    pub(super) unmet_tolerance: UnmetTolerance,
     pub(super) phases: Phases,
     pub(super) auto_time_step: AutoTimeStep,
-    overlap: OverlapBuffers,
+    pub(super) overlap: OverlapBuffers,
 }
 
 /// Scratch: what the fluid reads while the contacts are computed.
 #[derive(Default)]
-struct OverlapBuffers {
-    velocity: Vec<Vec3>,
-    position: Vec<Vec3>,
+pub(super) struct OverlapBuffers {
+    pub velocity: Vec<Vec3>,
+    pub position: Vec<Vec3>,
 }
 
 impl Coupled {
@@ -176,18 +176,7 @@ impl Coupled {
             self.remesher.begin_step();
             // A step's own time is without its remesh.
             start += before.elapsed();
-            let wall_pressure = self.effects.wall_pressures(self.time + dt);
-            let Coupled { dem, phases, remesher, .. } = self;
-            let follow = remesher.acceleration().update == Update::EveryStep;
-            if let Some(network) = &mut remesher.current {
-                let particles = dem.storage();
-                let mut motion = motion(dem, &particles.velocity, dt, wall_pressure);
-                if follow {
-                    motion.geometry =
-                        Some(SolidGeometry { position: &particles.position, bounds: dem.box_() });
-                }
-                network.advance(&motion, phases)?;
-            }
+            self.advance_fluid(dt, true)?;
         }
         self.integrate(dt)?;
         self.remesher.stepped(start.elapsed());
@@ -199,7 +188,11 @@ impl Coupled {
 
     /// Sees to it that the next step, of this length (s) as far as it is known, has its network,
     /// once.
-    fn prepare_network(&mut self, saturation: &Saturation, time_step: f64) -> Result<()> {
+    pub(super) fn prepare_network(
+        &mut self,
+        saturation: &Saturation,
+        time_step: f64,
+    ) -> Result<()> {
         if self.dem.cell().is_some() {
             self.effects.check_in_cell()?;
             if self.remesher.acceleration().update == Update::EveryStep {
@@ -232,51 +225,13 @@ impl Coupled {
         Ok(())
     }
 
-    /// Contact forces, and beside them the fluid's: both follow from positions
-    /// and velocities of before the step, so the bits are those of one after
-    /// the other.
-    fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
-        let wall_pressure = self.effects.wall_pressures(self.time + dt);
-        let Coupled { dem, remesher, phases, overlap, .. } = self;
-        overlap.velocity.clone_from(&dem.storage().velocity);
-        let mut motion = motion(dem, &overlap.velocity, dt, wall_pressure);
-        if remesher.acceleration().update == Update::EveryStep {
-            overlap.position.clone_from(&dem.storage().position);
-            motion.geometry =
-                Some(SolidGeometry { position: &overlap.position, bounds: dem.box_() });
-        }
-        let mut fluid_phases = Phases::default();
-        let mut contact_phases = Phases::default();
-        let (contacts, fluid): (Result<(), DemError>, Result<()>) = rayon::join(
-            || contact_phases.time(Phase::Contacts, || dem.compute_contacts()),
-            || match &mut remesher.current {
-                Some(network) => network.advance(&motion, &mut fluid_phases),
-                None => Ok(()),
-            },
-        );
-        phases.merge(&contact_phases);
-        phases.merge(&fluid_phases);
-        contacts?;
-        fluid
-    }
-
     /// Moves walls and spheres under both forces.
     fn integrate(&mut self, dt: f64) -> Result<()> {
         self.act_on_edges(dt);
+        self.book_solve();
         let Coupled { dem, remesher, phases, .. } = self;
         let network = remesher.current.as_ref();
         dem.set_wall_resistance(network.map(ActiveNetwork::resistance).unwrap_or_default())?;
-        if let Some(ActiveNetwork { flow, iterations, state, .. }) = network {
-            if let Some(solve) = iterations {
-                self.update_counts.add(*solve, state.exhausted);
-            }
-            let iterated = iterations.map(|solve| solve.error).filter(|&e| e > flow.tolerance());
-            if let Some(left) = iterated.or(flow.unmet_tolerance()) {
-                self.unmet_tolerance.add(self.steps, left);
-            }
-            self.largest_residual = self.largest_residual.max(flow.residual().unwrap_or(0.0));
-            self.largest_imbalance = self.largest_imbalance.max(flow.imbalance());
-        }
         let on_walls = network.map(|network| PerWall::from(network.expected_wall_force()));
         let loads = FluidLoads {
             force: network.map(ActiveNetwork::force),
@@ -292,8 +247,8 @@ impl Coupled {
     /// Finds the fastest viscous mode of the network that the next step uses,
     /// which comes into use here if it is due: the step finds that done, and
     /// uses no other. Returns whether the mode is new; never
-    /// where the pores are empty. Unless `exact`, a mode too slow to matter
-    /// beside the contacts remains rough.
+    /// where the pores are empty, or motion squeezes no fluid. Unless `exact`, a mode too slow to
+    /// matter beside the contacts remains rough.
     ///
     /// # Errors
     /// As a remesh, or when a solve fails.
@@ -301,6 +256,9 @@ impl Coupled {
         let Some(saturation) = self.saturation else { return Ok(false) };
         let time_step = self.expected_time_step();
         self.prepare_network(&saturation, time_step)?;
+        if self.effects.one_way {
+            return Ok(false);
+        }
         let Coupled { dem, phases, remesher, .. } = self;
         let Some(network) =
             remesher.current.as_mut().filter(|network| !network.state.fastest.is_current(dem))
@@ -322,10 +280,14 @@ impl Coupled {
     /// What bounds the time step, as far as it is known, with the contacts of
     /// the last step.
     pub fn time_step_bounds(&mut self) -> TimeStepBounds {
-        let viscosity = self.saturation.map(|s| s.fluid.viscosity);
+        // What the flow does to the spheres does not follow from their motion where this squeezes
+        // none of it; what is between neighbours does.
+        let drags = self.saturation.filter(|_| !self.effects.one_way);
+        let viscosity = drags.map(|s| s.fluid.viscosity);
         let network = self.remesher.current.as_mut();
         let (fastest, edges) =
             network.map(|network| (&network.state.fastest, network.edges.as_mut())).unzip();
+        let fastest = fastest.filter(|_| drags.is_some());
         viscous_bound::bounds(&mut self.dem, viscosity, fastest, edges.flatten())
     }
 
@@ -485,24 +447,5 @@ impl Coupled {
     /// Where the time went.
     pub fn phases(&self) -> &Phases {
         &self.phases
-    }
-}
-
-/// What the fluid feels in a step from `dt` on (s).
-fn motion<'a>(
-    dem: &Dem,
-    velocity: &'a [Vec3],
-    dt: f64,
-    wall_pressure: Option<PerWall<Option<f64>>>,
-) -> SolidMotion<'a> {
-    let walls = dem.walls();
-    SolidMotion {
-        velocity,
-        walls: walls.map(|w| w.velocity).0,
-        dilation: dem.cell().map_or(0.0, |cell| cell.velocity_gradient().trace()),
-        servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
-        dt,
-        wall_pressure,
-        geometry: None,
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::edges::EdgeState;
 use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::Extrapolation;
+use crate::pfv::{Extrapolation, Flow};
 use crate::{Aabb, Cell, PerWall, Vec3};
 
 /// The positions that a network is built from.
@@ -70,6 +70,15 @@ pub(super) struct FluidState {
     pub edges: Option<EdgeState>,
     /// What bounds the automatic time step, as far as it is known.
     pub fastest: FastestMode,
+}
+
+impl FluidState {
+    /// Notes what the pores have grown by in a step (s), where the strain rule asks.
+    pub fn book_volumes(&mut self, flow: &Flow, dt: f64) {
+        for (change, rate) in self.volume_change.iter_mut().zip(flow.volume_rate()) {
+            *change += rate * dt;
+        }
+    }
 }
 
 /// Where a network has followed its spheres to.

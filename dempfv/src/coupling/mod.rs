@@ -21,6 +21,7 @@ mod edges;
 mod error;
 mod fluid_effects;
 mod fluid_state;
+mod fluid_step;
 mod gpu_use;
 mod network_builder;
 mod network_source;
@@ -56,6 +57,6 @@ pub mod effects {
     pub use crate::coupling::edges::{
         NORMAL_LUBRICATION, PUMP_TORQUE, SHEAR_LUBRICATION, TWIST_TORQUE, VISCOUS_SHEAR,
     };
-    pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, PRESSURE_IN_TIME};
+    pub use crate::coupling::fluid_effects::{IMPOSED_REGIONS, IN_TIME, ONE_WAY};
     pub use crate::coupling::options::{EVERY_STEP, PARALLEL_TASKS};
 }

@@ -78,10 +78,10 @@ fn build(request: NetworkRequest, solver: Solver, cancelled: &AtomicBool) -> Res
     if stop() {
         return Ok(None);
     }
-    let terms = effects.step_terms(time_step)?;
-    let FluidEffects { imposed, sources, .. } = effects;
+    let (terms, conditions) = (effects.step_terms(time_step)?, effects.conditions());
+    let FluidEffects { sources, .. } = effects;
     let assembled = match cell {
-        None => Assembled::with_terms(&position, &radius, bounds, &fluid, &imposed, terms)?,
+        None => Assembled::with_conditions(&position, &radius, bounds, &fluid, conditions, terms)?,
         Some(cell) => Assembled::in_cell(&position, &radius, &cell, &fluid, terms)?,
     };
     drop(radius);

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::active_network::{ActiveNetwork, PRESSURE_ERROR, impose};
+use super::active_network::{ActiveNetwork, PRESSURE_ERROR};
 use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
 use super::edges::{EdgeForces, Films};
@@ -357,7 +357,7 @@ impl Remesher {
         if beside == Some(false) {
             self.source.keep(None);
         }
-        impose(&mut flow, context.effects.wall_pressures(context.time))?;
+        context.effects.impose(&mut flow, context.time)?;
         load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         let mut edges = edges_of(&flow, &snapshot, &context)?;
@@ -470,7 +470,7 @@ impl Remesher {
         let edges = edges_of(&flow, &state.snapshot, &context)?;
         self.put_to_use(flow, edges, state)?;
         if let Some(network) = &mut self.current {
-            impose(&mut network.flow, context.effects.wall_pressures(context.time))?;
+            context.effects.impose(&mut network.flow, context.time)?;
             load(&mut network.flow, &context)?;
             network.resume()?;
         }

@@ -108,6 +108,11 @@ impl Neighbours {
         Neighbours { length, ..Neighbours::default() }
     }
 
+    /// Whether there is a list.
+    pub fn is_built(&self) -> bool {
+        !self.bounds.is_empty()
+    }
+
     /// Takes note that no particle has gone farther than `way` (m).
     pub fn moved(&mut self, way: f64) {
         self.budget -= way;
@@ -466,7 +471,7 @@ impl Part {
 }
 
 /// Refuses a centre beyond a wall.
-fn check_inside(particles: &Particles, walls: &PerWall<Wall>) -> Result<(), DemError> {
+pub(super) fn check_inside(particles: &Particles, walls: &PerWall<Wall>) -> Result<(), DemError> {
     let box_ = box_of(walls);
     super::walls::check_box(&box_)?;
     for (x, &particle) in particles.position.iter().zip(&particles.id) {

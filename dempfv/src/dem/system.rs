@@ -14,7 +14,7 @@ use super::law::{ContactLaw, Linear, Losses, Needs};
 use super::ledger::{Ledger, MotionWork};
 use super::material::{Material, MaterialPair, WallMaterial, finite, positive};
 use super::motion::Motions;
-use super::neighbours::Neighbours;
+use super::neighbours::{Neighbours, check_inside};
 use super::particles::Particles;
 use super::pass::Forces;
 use super::pass_input::Input;
@@ -23,6 +23,7 @@ use super::state::{ContactHistory, DemState};
 use super::stiffness_pass::StiffnessScratch;
 use super::wall_pairs::WallSum;
 use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
+use crate::calls;
 use crate::parallel::block_count;
 use crate::{Aabb, PerWall, Vec3, WallId};
 
@@ -135,10 +136,40 @@ impl Dem {
         wall_material: WallMaterial,
         options: DemOptions,
     ) -> Result<Dem, DemError> {
+        let state = Dem::state_at_rest(law.name(), particles, (box_, cell))?;
+        Dem::with_law_from_state(law, state, materials, wall_material, options)
+    }
+
+    /// As [`Dem::new`], for spheres that stand still: they are listed with their neighbours when
+    /// their contacts are looked at for the first time, and no sooner. That two of them have one
+    /// place is found then.
+    ///
+    /// # Errors
+    /// As [`Dem::new`], but for [`DemError::Coincident`].
+    pub fn standing(
+        particles: Particles,
+        box_: Aabb,
+        materials: &[Material],
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
+        let state = Dem::state_at_rest(Linear.name(), particles, (box_, None))?;
+        check_materials(materials, &wall_material)?;
+        let law = compile(Linear, materials, &wall_material);
+        let dem = Dem::unlisted(law, state, materials.to_vec(), wall_material, options)?;
+        check_inside(&dem.particles, &dem.walls)?;
+        Ok(dem)
+    }
+
+    fn state_at_rest(
+        law: &str,
+        particles: Particles,
+        (box_, cell): (Aabb, Option<PeriodicCell>),
+    ) -> Result<DemState, DemError> {
         check_box(&box_)?;
         particles.check()?;
         let mut state = DemState {
-            law: law.name().to_owned(),
+            law: law.to_owned(),
             particles,
             walls: walls_of(&box_),
             cell,
@@ -152,7 +183,7 @@ impl Dem {
         };
         // Nothing to reverse: there are no contacts yet.
         state.sort_spatially(0, |_| ());
-        Dem::with_law_from_state(law, state, materials, wall_material, options)
+        Ok(state)
     }
 
     /// Goes on from a state that [`Dem::state`] gave, with the same bits as
@@ -185,16 +216,25 @@ impl Dem {
         if state.law != law.name() {
             return Err(DemError::Law { found: state.law, expected: law.name() });
         }
-        if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
-            return Err(DemError::NumberOfMaterials { found: materials.len() });
-        }
-        materials.iter().try_for_each(Material::check)?;
-        wall_material.check()?;
+        check_materials(materials, &wall_material)?;
         let law = compile(law, materials, &wall_material);
         Dem::assemble(law, state, materials.to_vec(), wall_material, options)
     }
 
     fn assemble(
+        law: Box<dyn CompiledLaw>,
+        state: DemState,
+        materials: Vec<Material>,
+        wall_material: WallMaterial,
+        options: DemOptions,
+    ) -> Result<Dem, DemError> {
+        let mut dem = Dem::unlisted(law, state, materials, wall_material, options)?;
+        dem.rebuild()?;
+        Ok(dem)
+    }
+
+    /// All but the neighbour list.
+    fn unlisted(
         law: Box<dyn CompiledLaw>,
         state: DemState,
         materials: Vec<Material>,
@@ -256,7 +296,6 @@ impl Dem {
             dem.motion_work = vec![MotionWork::default(); dem.particles.len()];
         }
         dem.keep_in_cell(0.0);
-        dem.rebuild()?;
         Ok(dem)
     }
 
@@ -300,6 +339,7 @@ impl Dem {
         let (cut_off, skin) = (self.law.cut_off(), self.options.skin);
         let cell = self.cell.as_ref().map(PeriodicCell::cell);
         let clumps = self.held.clumps.indices();
+        calls::count(&calls::NEIGHBOUR_LISTS);
         self.list.build(&self.particles, (&self.walls, cell), (cut_off, skin), clumps)?;
         self.look_at_sizes();
         let end = self.list.bounds.last().copied().unwrap_or_default();
@@ -320,6 +360,7 @@ impl Dem {
     /// is built.
     pub fn compute_contacts(&mut self) -> Result<(), DemError> {
         let outdated = match self.cell {
+            _ if !self.list.is_built() => true,
             None => self.list.outdated(&self.centre, &self.walls),
             Some(_) => self.list.outdated_in_cell(&self.centre),
         };
@@ -551,4 +592,13 @@ impl std::fmt::Debug for Dem {
             .field("options", &self.options)
             .finish_non_exhaustive()
     }
+}
+
+/// Refuses no material, too many, and what none can be.
+fn check_materials(materials: &[Material], walls: &WallMaterial) -> Result<(), DemError> {
+    if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
+        return Err(DemError::NumberOfMaterials { found: materials.len() });
+    }
+    materials.iter().try_for_each(Material::check)?;
+    walls.check()
 }

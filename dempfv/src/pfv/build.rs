@@ -10,8 +10,8 @@ use super::packing_check::check_time_step;
 use super::storage::Storage;
 use super::terms::{StepTerms, Terms};
 use super::{
-    BuildTimes, Flow, Fluid, ImposedPressure, Network, Operators, PfvError, PoreConditions,
-    ReusableAnalysis,
+    BuildTimes, Flow, Fluid, ImposedPressure, Network, NetworkConditions, Operators, PfvError,
+    PoreConditions, ReusableAnalysis,
 };
 use crate::solver::{Backend, Factor, Solver, Symbolic};
 use crate::{Aabb, Cell, Vec3};
@@ -39,7 +39,7 @@ pub struct Assembled {
     operators: Operators,
     radius: Vec<f64>,
     fluid: Fluid,
-    imposed: Vec<ImposedPressure>,
+    conditions: NetworkConditions,
     terms: Terms,
     times: BuildTimes,
 }
@@ -114,6 +114,25 @@ impl Assembled {
         bounds: Aabb,
         fluid: &Fluid,
         imposed: &[ImposedPressure],
+        terms: StepTerms,
+    ) -> Result<Assembled, PfvError> {
+        let conditions =
+            NetworkConditions { imposed: imposed.to_vec(), ..NetworkConditions::default() };
+        Assembled::with_conditions(position, radius, bounds, fluid, conditions, terms)
+    }
+
+    /// As [`Assembled::with_terms`], with conditions of any kind.
+    ///
+    /// # Errors
+    /// As [`Assembled::with_terms`]; [`PfvError::InvalidInput`] for rules of conductances with a
+    /// number that is not positive and finite, for a selection that holds no pore, for profiles that
+    /// are no function of the coordinate, and for a profile at a wall that imposes no pressure.
+    pub fn with_conditions(
+        position: &[Vec3],
+        radius: &[f64],
+        bounds: Aabb,
+        fluid: &Fluid,
+        conditions: NetworkConditions,
         StepTerms { terms, time_step }: StepTerms,
     ) -> Result<Assembled, PfvError> {
         let terms = Terms::new(terms);
@@ -121,11 +140,8 @@ impl Assembled {
             check_time_step(time_step)?;
         }
         let start = Instant::now();
-        let (network, derivatives) = Network::new(position, radius, bounds, fluid)?;
-        let mut conditions = PoreConditions::of_walls(&network, &fluid.boundary);
-        for imposed in imposed {
-            conditions.impose(&network, position, imposed)?;
-        }
+        let (mut network, derivatives) = Network::new(position, radius, bounds, fluid)?;
+        let of_pores = conditions.apply(&mut network, position, radius, fluid)?;
         let storage = match terms.store() {
             true => {
                 let mut void = vec![0.0; network.pores()];
@@ -134,14 +150,14 @@ impl Assembled {
             }
             false => None,
         };
-        let operators = Operators::assemble(&network, derivatives, conditions, storage);
+        let operators = Operators::assemble(&network, derivatives, of_pores, storage);
         let times = BuildTimes { network: start.elapsed(), ..BuildTimes::default() };
         Ok(Assembled {
             network,
             operators,
             radius: radius.to_vec(),
             fluid: *fluid,
-            imposed: imposed.to_vec(),
+            conditions,
             terms,
             times,
         })
@@ -175,7 +191,7 @@ impl Assembled {
             operators,
             radius: radius.to_vec(),
             fluid: *fluid,
-            imposed: vec![],
+            conditions: NetworkConditions::default(),
             terms,
             times,
         })
@@ -227,7 +243,7 @@ impl Analyzed {
     /// # Errors
     /// [`PfvError::Solver`] as [`Symbolic::factor`].
     pub fn factor(self) -> Result<Flow, PfvError> {
-        let Assembled { network, operators, radius, fluid, imposed, terms, mut times } =
+        let Assembled { network, operators, radius, fluid, conditions, terms, mut times } =
             self.assembled;
         let analysis_reused = matches!(self.analysis, Analysis::Reused(_));
         let start = Instant::now();
@@ -244,7 +260,7 @@ impl Analyzed {
             backend: self.solver,
             radius,
             fluid,
-            imposed,
+            conditions,
             terms,
             times,
             analysis_reused,
@@ -352,8 +368,8 @@ impl Flow {
     /// As [`Flow::new`], in place of a flow that is no longer needed: its
     /// analysis serves again if the matrix has the same pattern, as it has when
     /// only conductances changed, and its pressures are where the next solve
-    /// starts from. Memory is needed for one network only. Pressures that were imposed beside
-    /// those of the walls are imposed again, and terms that store fluid remain.
+    /// starts from. Memory is needed for one network only. Conditions beside the pressures of the
+    /// walls hold again, and terms that store fluid remain.
     ///
     /// # Errors
     /// As [`Flow::with_imposed`].
@@ -364,9 +380,10 @@ impl Flow {
         bounds: Aabb,
         fluid: &Fluid,
     ) -> Result<Flow, PfvError> {
-        let (solver, imposed) = (self.backend().clone(), self.imposed_pressures().to_vec());
+        let (solver, conditions) = (self.backend().clone(), self.conditions().clone());
         let (pressures, reusable, terms) = self.retire_with_terms();
-        let assembled = Assembled::with_terms(position, radius, bounds, fluid, &imposed, terms)?;
+        let assembled =
+            Assembled::with_conditions(position, radius, bounds, fluid, conditions, terms)?;
         let mut flow = assembled.analyze(solver, reusable)?.factor()?;
         flow.transfer_pressures(&pressures);
         Ok(flow)

@@ -110,6 +110,7 @@ fn build(
         throats: Throats { pores: sites.iter().map(|site| site.pores).collect(), conductance },
         throat_of,
         tessellation,
+        conductances: None,
         periodic: None,
     };
     let mut void = vec![0.0; network.pores()];

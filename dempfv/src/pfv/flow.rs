@@ -10,8 +10,8 @@ use super::pore_pressures::PorePressures;
 use super::pressure_solver::{PressureProblem, PressureSolver};
 use super::terms::{StepTerms, Terms};
 use super::{
-    BuildTimes, Fluid, ImposedPressure, Network, NetworkRemarks, Operators, PfvError,
-    ReusableAnalysis, TransferSource,
+    BuildTimes, Fluid, ImposedPressure, Network, NetworkConditions, NetworkRemarks, Operators,
+    PfvError, ReusableAnalysis, TransferSource,
 };
 use crate::parallel::{SERIAL, for_each};
 use crate::solver::{Factor, Iterations, Placement, Solver};
@@ -49,7 +49,7 @@ pub struct Flow {
     pub(super) operators: Operators,
     pub(super) fluid: Fluid,
     pub(super) radius: Vec<f64>,
-    imposed: Vec<ImposedPressure>,
+    pub(super) conditions: NetworkConditions,
     pub(super) backend: Solver,
     build_times: BuildTimes,
     analysis_reused: bool,
@@ -59,7 +59,7 @@ pub struct Flow {
     /// Once the geometry has been updated.
     pub(super) geometry: Option<Box<GeometryUpdate>>,
     pub(super) pressures: PorePressures,
-    volume_rate: Vec<f64>,
+    pub(super) volume_rate: Vec<f64>,
     pub(super) terms: Terms,
     force: Vec<Vec3>,
     wall_force: [Vec3; 6],
@@ -82,7 +82,7 @@ pub(super) struct FlowParts {
     pub backend: Solver,
     pub radius: Vec<f64>,
     pub fluid: Fluid,
-    pub imposed: Vec<ImposedPressure>,
+    pub conditions: NetworkConditions,
     pub terms: Terms,
     pub times: BuildTimes,
     pub analysis_reused: bool,
@@ -107,7 +107,7 @@ pub(super) fn unknown_points(network: &Network, operators: &Operators) -> Vec<[f
 impl Flow {
     pub(super) fn of_parts(parts: FlowParts) -> Flow {
         let FlowParts {
-            network, operators, factor, backend, radius, fluid, imposed, terms, ..
+            network, operators, factor, backend, radius, fluid, conditions, terms, ..
         } = parts;
         let (pores, unknowns) = (network.pores(), operators.unknowns());
         let mut pressures = PorePressures::at_rest(&operators);
@@ -120,7 +120,7 @@ impl Flow {
         }
         Flow {
             fluid,
-            imposed,
+            conditions,
             backend,
             build_times: parts.times,
             analysis_reused: parts.analysis_reused,
@@ -205,7 +205,7 @@ impl Flow {
 
     /// The pressures that are imposed on pores of choice.
     pub fn imposed_pressures(&self) -> &[ImposedPressure] {
-        &self.imposed
+        &self.conditions.imposed
     }
 
     /// The solver that the flow was built with.
@@ -590,11 +590,14 @@ impl Flow {
 
     /// Permeability between two walls with imposed pressures, from the current
     /// pressures. `None` before a solve, with terms beside throats and motion, and unless `wall`
-    /// and the opposite wall, and nothing else, have imposed pressures and these differ.
+    /// and the opposite wall, and nothing else, have imposed pressures, the same all along, and these
+    /// differ.
     pub fn permeability(&self, wall: WallId) -> Option<Permeability> {
         let imposed = &self.fluid.boundary.pressure;
         let drop = imposed[wall]? - imposed[wall.opposite()]?;
-        let others = imposed.values().flatten().count() != 2 || !self.imposed.is_empty();
+        let others = imposed.values().flatten().count() != 2
+            || !self.conditions.imposed.is_empty()
+            || self.conditions.profiles.values().any(Option::is_some);
         let others = others || self.terms().next().is_some();
         if drop == 0.0 || others || !self.solver.statistics.solved {
             return None;

@@ -68,7 +68,7 @@ impl Flow {
         if sources.is_empty() {
             self.remove_term(Sources::NAME);
         } else {
-            self.terms.set(Box::new(sources));
+            self.terms.set_sources(sources);
         }
         Ok(())
     }

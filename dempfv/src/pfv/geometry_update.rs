@@ -3,6 +3,8 @@
 
 use rayon::prelude::*;
 
+use super::conductance_rules::darcy;
+use super::conductances::Conductances;
 use super::frame::Frame;
 use super::lanes::LANES;
 use super::network::{
@@ -141,8 +143,8 @@ impl GeometryUpdate {
         self.place_flat_pores(&frame, network);
         self.update_throats(&frame, network, fluid);
         Self::update_storage(&frame, network, operators, terms);
+        degradation.lost += self.write_conductances(&frame, network, fluid);
         self.x = frame.x;
-        degradation.lost += self.write_conductances(network, fluid);
         self.write_operators(network, operators);
         operators.write_diagonal();
         self.find_weakened(network, operators);
@@ -222,14 +224,19 @@ impl GeometryUpdate {
     }
 
     /// Returns how many are not finite.
-    fn write_conductances(&self, network: &mut Network, fluid: &Fluid) -> u32 {
+    fn write_conductances(&self, frame: &Frame, network: &mut Network, fluid: &Fluid) -> u32 {
         let limits = fluid.clamp.bounds(&self.throats, fluid.viscosity);
-        let conductance = &mut network.throats.conductance;
-        for_each(conductance, &|k, g| {
+        let Network { throats, conductances, tessellation, .. } = network;
+        let (rules, cells) = (conductances.as_deref(), &tessellation.cells);
+        let by_rules = |k: usize, geometric: f64, rules: &Conductances| {
+            rules.of(k, geometric, |m| darcy(frame, cells, &self.sites[k], &self.local, m))
+        };
+        for_each(&mut throats.conductance, &|k, g| {
             let (now, then) = (self.throats[k].conductance(fluid.viscosity), self.conductance[k]);
             // What closes stays just open until the next remesh: which pores are unknown, and
             // reached, is the network's.
             let now = bounded(now, limits);
+            let now = rules.map_or(now, |rules| by_rules(k, now, rules));
             *g = if now.is_finite() { now.max(STILL_OPEN * then) } else { then };
         });
         self.throats.iter().filter(|t| !t.conductance(1.0).is_finite()).count() as u32

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::conductances::Conductances;
 use super::flat_pores::FlatPores;
 use super::frame::{FACETS, Frame};
 use super::lanes::LANES;
@@ -52,6 +53,8 @@ pub struct Network {
     /// Pores that spheres fill, as far as they close all throats; sorted.
     pub(super) filled: Vec<u32>,
     pub(super) flat: FlatPores,
+    /// Where conductances are not what the geometry says.
+    pub(super) conductances: Option<Box<Conductances>>,
     pub(super) periodic: Option<Box<PeriodicNetwork>>,
 }
 
@@ -107,6 +110,7 @@ impl Network {
             remarks,
             filled,
             flat,
+            conductances: None,
             periodic: None,
             bounds,
             viscosity: fluid.viscosity,
@@ -239,7 +243,7 @@ pub(super) struct ThroatSite {
 
 impl ThroatSite {
     /// The facet's vertices, counterclockwise seen from outside the first pore.
-    fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
+    pub fn facet(&self, cells: &[[u32; 4]]) -> [u32; 3] {
         let cell = &cells[self.pores[0] as usize];
         let [a, b, c] = FACETS[self.facet as usize];
         [cell[a], cell[b], cell[c]]

@@ -3,14 +3,17 @@
 use serde::{Deserialize, Serialize};
 
 use super::packing_check::require_length;
-use super::{Boundary, NONE, Network, PfvError, SealedPoreRule};
-use crate::{Aabb, Vec3, WallId};
+use super::wall_profiles::WallProfiles;
+use super::{Boundary, NONE, Network, PfvError, PressureProfile, SealedPoreRule};
+use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// Some of a network's pores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PoreSelection {
     /// By their numbers, which are those of one network only.
     Pores(Vec<u32>),
+    /// Those that contain these points (m).
+    At(Vec<Vec3>),
     /// All whose centroid lies within a distance of a point.
     Around {
         /// The point (m).
@@ -36,6 +39,7 @@ impl PoreSelection {
     ) -> Result<Vec<u32>, PfvError> {
         Ok(match self {
             PoreSelection::Pores(numbers) => numbers.clone(),
+            PoreSelection::At(points) => at_points(network, position, points)?,
             PoreSelection::Around { center, radius } => {
                 of_centroids(network, position, |x| (x - center).norm() <= *radius)?
             }
@@ -45,6 +49,23 @@ impl PoreSelection {
             }
         })
     }
+}
+
+/// The pores that contain points, each once.
+fn at_points(network: &Network, position: &[Vec3], points: &[Vec3]) -> Result<Vec<u32>, PfvError> {
+    let mut pores = vec![];
+    for (k, x) in points.iter().enumerate() {
+        let inside = network.bounds.contains(x);
+        let pore = if inside { network.tessellation.locate(position, x)? } else { NONE };
+        if pore == NONE {
+            let problem = format!("({}, {}, {}) lies in no pore", x.x, x.y, x.z);
+            return Err(PfvError::invalid("points", k, problem));
+        }
+        if !pores.contains(&pore) {
+            pores.push(pore);
+        }
+    }
+    Ok(pores)
 }
 
 /// The pores whose centroid fits.
@@ -80,6 +101,8 @@ pub struct PoreConditions {
     set_of: Vec<u32>,
     /// Pressure of each set (Pa); `None` for a wall that imposes none.
     pressure: Vec<Option<f64>>,
+    /// What walls have beside that, from place to place.
+    profiles: Option<Box<WallProfiles>>,
     /// Pores at walls of different pressures.
     contested: u32,
     /// The last set holds pores that were pinned because nothing else determines their pressure.
@@ -97,7 +120,7 @@ impl PoreConditions {
         let contested = cells.iter().filter(|&&cell| is_contested(network, boundary, cell)).count();
         let pressure = boundary.pressure.values().copied().collect();
         let (contested, sealed_pores) = (contested as u32, boundary.sealed_pores);
-        PoreConditions { set_of, pressure, contested, pinned: false, sealed_pores }
+        PoreConditions { set_of, pressure, profiles: None, contested, pinned: false, sealed_pores }
     }
 
     /// Imposes a pressure (Pa) on pores of choice. `position` (m) has the sphere centres that the
@@ -137,6 +160,10 @@ impl PoreConditions {
             return Err(wrong("selected pores", Some(k), problem));
         }
         for &pore in &selected {
+            if network.is_blocked(pore as usize) {
+                let problem = format!("pore {pore} is blocked; choose other pores");
+                return Err(wrong("imposed pressure", Some((set - 6) as usize), problem));
+            }
             if let Some(problem) = self.contradiction(pore, *pressure) {
                 return Err(wrong("imposed pressure", Some((set - 6) as usize), problem));
             }
@@ -162,6 +189,30 @@ impl PoreConditions {
         ))
     }
 
+    /// Gives pores at walls what profiles say of their centres, beside the pressure of the wall.
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] for a profile that is none, or of a wall that imposes no pressure.
+    pub(super) fn set_profiles(
+        &mut self,
+        network: &Network,
+        profiles: &PerWall<Option<PressureProfile>>,
+    ) -> Result<(), PfvError> {
+        let given = |wall: WallId| profiles[wall].as_ref().map(|profile| (wall, profile));
+        for (wall, profile) in WallId::ALL.into_iter().filter_map(given) {
+            profile.check(wall)?;
+            if self.pressure[wall.index()].is_none() {
+                let problem = format!("{wall} imposes no pressure; give it one, 0 Pa for instance");
+                return Err(PfvError::invalid("pressure profile", wall.index(), problem));
+            }
+        }
+        if profiles.values().any(Option::is_some) {
+            let wall_of = |pore: usize| self.wall_of(pore);
+            self.profiles = Some(Box::new(WallProfiles::new(&network.center, wall_of, profiles)));
+        }
+        Ok(())
+    }
+
     /// What holds for pores without a path to an imposed pressure.
     pub(super) fn sealed_pores(&self) -> SealedPoreRule {
         self.sealed_pores
@@ -172,6 +223,14 @@ impl PoreConditions {
         let imposed = &mut self.pressure[wall.index()];
         *imposed = imposed.map(|_| pressure);
         imposed.is_some()
+    }
+
+    /// Changes the pressure (Pa) of one of those imposed beside walls. False where there is none of
+    /// this number.
+    pub(super) fn set_imposed_pressure(&mut self, number: usize, pressure: f64) -> bool {
+        let sets = self.imposed_sets();
+        let imposed = self.pressure[..sets].get_mut(WallId::ALL.len().saturating_add(number));
+        imposed.map(|imposed| *imposed = Some(pressure)).is_some()
     }
 
     /// Number of pores that touch walls of different pressures, and have that of the last of
@@ -193,8 +252,18 @@ impl PoreConditions {
 
     /// Mean of the imposed pressures (Pa); 0 where there are none.
     pub(super) fn mean_pressure(&self) -> f64 {
-        let imposed = || self.pressure.iter().flatten();
-        imposed().sum::<f64>() / imposed().count().max(1) as f64
+        let mean = |[_, mean, _]: [f64; 3]| mean;
+        self.ranges().map(mean).sum::<f64>() / self.ranges().count().max(1) as f64
+    }
+
+    /// Lowest, mean and highest pressure of each set that has one (Pa).
+    pub(super) fn ranges(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let profiles = self.profiles.as_deref();
+        let range = move |(set, pressure): (usize, &Option<f64>)| {
+            let beside = profiles.map_or([0.0; 3], |profiles| profiles.range(set));
+            pressure.map(|pressure| beside.map(|p| pressure + p))
+        };
+        self.pressure.iter().enumerate().filter_map(range)
     }
 
     /// Number of sets that were imposed: six walls, and those beside them.
@@ -227,10 +296,14 @@ impl PoreConditions {
 
     /// Pressure imposed on a pore (Pa); `None` for a free one.
     pub fn pressure_of(&self, pore: usize) -> Option<f64> {
-        self.pressure[self.set_of(pore)?]
+        let pressure = self.pressure[self.set_of(pore)?]?;
+        Some(match &self.profiles {
+            None => pressure,
+            Some(profiles) => pressure + profiles.of_pore(pore),
+        })
     }
 
-    /// Pressure of each set (Pa); `None` for a wall that imposes none.
+    /// Pressure of each set (Pa), without the profiles of walls; `None` for a wall that imposes none.
     pub fn pressures(&self) -> &[Option<f64>] {
         &self.pressure
     }

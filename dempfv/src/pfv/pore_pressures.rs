@@ -65,9 +65,8 @@ impl PoreConditions {
     /// The pressure from which the others are best measured (Pa): the imposed one nearest to zero
     /// where all of them are on one side of it, zero else.
     pub(super) fn reference(&self) -> f64 {
-        let imposed = || self.pressures().iter().flatten().copied();
-        let lowest = imposed().fold(f64::INFINITY, f64::min);
-        let highest = imposed().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = self.ranges().map(|[low, _, _]| low).fold(f64::INFINITY, f64::min);
+        let highest = self.ranges().map(|[_, _, high]| high).fold(f64::NEG_INFINITY, f64::max);
         if lowest.is_finite() && highest.is_finite() {
             lowest.max(0.0) + highest.min(0.0)
         } else {

@@ -415,8 +415,8 @@ fn goal(
     unknowns: usize,
     relative_error: f64,
 ) -> ErrorGoal {
-    let imposed = || conditions.pressures().iter().flatten().map(|p| p - reference);
-    let datum = imposed().sum::<f64>() / imposed().count().max(1) as f64;
-    let largest = imposed().fold(0.0f64, |m, p| m.max(p.abs()));
+    let imposed = || conditions.ranges().map(|range| range.map(|p| p - reference));
+    let datum = imposed().map(|[_, mean, _]| mean).sum::<f64>() / imposed().count().max(1) as f64;
+    let largest = imposed().flatten().fold(0.0f64, |m, p| m.max(p.abs()));
     ErrorGoal { relative_error, datum, round_off: ROUND_OFF * largest * (unknowns as f64).sqrt() }
 }

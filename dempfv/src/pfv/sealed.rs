@@ -13,8 +13,9 @@ const BALANCED: f64 = 1e-9;
 /// The pressures of a group are known but for a constant, and only where its pores together
 /// keep their volume. One pore of each is pinned at the mean of the imposed pressures (0 where
 /// there are none), and a solve is refused where the group would have to swallow fluid. Pores
-/// that the spheres fill have no fluid: they are pinned, too, and may change as they like, and so
-/// are and may all pores of a group under [`SealedPoreRule::Drained`].
+/// that the spheres fill have no fluid, and nothing flows to those that are blocked: they are pinned,
+/// too, and may change as they like, and so are and may all pores of a group under
+/// [`SealedPoreRule::Drained`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SealedPores {
     /// Pores that throats join to each other and to nothing else; the first of each group is
@@ -22,6 +23,8 @@ pub struct SealedPores {
     pub groups: Vec<Vec<u32>>,
     /// Pores that the spheres fill.
     pub filled: Vec<u32>,
+    /// Pores that are blocked.
+    pub blocked: Vec<u32>,
     /// Whether groups are closed.
     rule: SealedPoreRule,
 }
@@ -37,6 +40,10 @@ impl SealedPores {
         let mut sealed = SealedPores { rule: conditions.sealed_pores(), ..SealedPores::default() };
         for pore in 0..network.pores() {
             if reached[pore] {
+                continue;
+            }
+            if network.is_blocked(pore) {
+                sealed.blocked.push(pore as u32);
                 continue;
             }
             if network.is_filled(pore) {
@@ -55,7 +62,7 @@ impl SealedPores {
 
     /// True when every pore has a path to an imposed pressure.
     pub fn is_empty(&self) -> bool {
-        self.groups.is_empty() && self.filled.is_empty()
+        self.groups.is_empty() && self.filled.is_empty() && self.blocked.is_empty()
     }
 
     /// Number of pores in all groups; those that are filled do not count.
@@ -78,7 +85,7 @@ impl SealedPores {
         let all = self.rule == SealedPoreRule::Drained;
         let count = move |group: &Vec<u32>| if all { group.len() } else { 1 };
         let of_groups = self.groups.iter().flat_map(move |group| group.iter().take(count(group)));
-        of_groups.chain(&self.filled).copied()
+        of_groups.chain(&self.filled).chain(&self.blocked).copied()
     }
 
     /// Refuses what a group of sealed pores cannot swallow (m³/s), measured by no less than a flow of

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::error::{PfvError, PoreVertex, PoreVertices};
 use super::frame::Frame;
 use super::slabs;
-use crate::WallId;
+use crate::{WallId, calls};
 
 /// In neighbour lists: nothing lies there.
 pub const NONE: u32 = u32::MAX;
@@ -46,6 +46,7 @@ impl Tessellation {
         if spheres == 0 {
             return Err(PfvError::NoSpheres);
         }
+        calls::count(&calls::TRIANGULATIONS);
         let raw = slabs::triangulate(&weighted_points(frame), spheres, frame.size)
             .map_err(|e| PfvError::Triangulation { spheres, reason: e.to_string() })?;
         let order = spatial_order(&raw.cells, frame);

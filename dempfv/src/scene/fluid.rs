@@ -2,28 +2,28 @@
 
 use serde::Serialize;
 
+use super::fluid_conditions;
 use super::keys::{Keyed, Keys};
-use super::kind::{Array, Count, Flag, Kind, Maybe, OneOf, Vector, number, quoted};
+use super::kind::{Count, Flag, Kind, Maybe, OneOf, Vector, number, quoted};
 use super::lubrication;
-use super::region::{ImposedRegion, SourceRegion};
 use super::schema::Schema;
 use super::table::{Bound, Table, Value};
-use super::time_function::InTime;
+use super::wall_pressure::{AtWall, WallPressure, wrong_profile};
 use super::wrong::Wrong;
 use crate::coupling::effects::{
-    BACKGROUND_REMESH, EVERY_STEP, IMPOSED_REGIONS, PARALLEL_TASKS, PRESSURE_IN_TIME,
+    BACKGROUND_REMESH, EVERY_STEP, IMPOSED_REGIONS, IN_TIME, ONE_WAY, PARALLEL_TASKS,
 };
 use crate::coupling::{
     Acceleration, FluidEffects, OnFailure, PRESSURE_ERROR, RemeshMode, RemeshRule, Saturation,
     Swap, Update,
 };
-use crate::domain::{PerWall, WallId};
+use crate::domain::{Aabb, PerWall, WallId};
 use crate::input::InputError;
 use crate::pfv::effects::{
-    BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, FLUID_FORCES, PORE_FLOW, PRESSURE_GRADIENT,
-    SOURCES, WALL_SLIP,
+    BLOCKED, BUOYANCY, COMPRESSIBILITY, CONDUCTANCE_CLAMP, DARCY, FACTORS, FLUID_FORCES, PORE_FLOW,
+    PRESSURE_GRADIENT, PROFILES, SOURCES, WALL_SLIP,
 };
-use crate::pfv::{self, Boundary, Clamp, SealedPoreRule};
+use crate::pfv::{self, Boundary, Clamp, ConductanceRules, SealedPoreRule};
 use crate::solver::SolverKind;
 use crate::{Effect, TimeFunction};
 
@@ -53,6 +53,11 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "sealed_pores",
         "imposed",
         "sources",
+        "coupling",
+        "darcy_permeability",
+        "conductance_factor",
+        "conductance_regions",
+        "blocked",
         "pressure_gradient",
         "viscous_shear",
         "normal_lubrication",
@@ -110,9 +115,10 @@ impl Fluid {
         WallId::ALL.into_iter().filter_map(|w| Some((w, self.fluid.boundary.pressure[w]?)))
     }
 
-    /// Whether the pressure of a wall changes with time.
+    /// Whether the pressure of a wall changes with time or along the wall.
     pub(super) fn changes_pressures(&self) -> bool {
-        self.effects.wall_pressure.values().any(Option::is_some)
+        let FluidEffects { wall_pressure, wall_profile, .. } = &self.effects;
+        wall_pressure.values().any(Option::is_some) || wall_profile.values().any(Option::is_some)
     }
 
     /// The fluid with other pressures on the walls (Pa), with the time from `start` on (s).
@@ -120,6 +126,7 @@ impl Fluid {
         let mut fluid = self.clone();
         fluid.fluid.boundary.pressure = walls.map(|p| p.as_ref().map(|p| p.value(0.0)));
         fluid.effects.wall_pressure = walls.map(changing);
+        fluid.effects.wall_profile = PerWall::default();
         fluid.effects.wall_pressure_start = start;
         fluid
     }
@@ -154,12 +161,14 @@ impl Keyed for Fluid {
             self.tolerance = PRESSURE_ERROR;
         }
         keys.take("tolerance", &number("", Bound::InsideUnit), &mut self.tolerance)?;
-        pressure(keys, &mut fluid.boundary, &mut effects.wall_pressure)?;
+        pressure(keys, &mut fluid.boundary, effects)?;
         let rules = SealedPoreRule::ALL.map(|rule| (rule.name(), rule));
         keys.take("sealed_pores", &OneOf(&rules), &mut fluid.boundary.sealed_pores)?;
-        let form = "an array of tables, as in [{ center = [0.0, 0.0, 0.0], radius = 0.1, ... }]";
-        keys.take("imposed", &Array { items: ImposedRegion, form }, &mut effects.imposed)?;
-        keys.take("sources", &Array { items: SourceRegion, form }, &mut effects.sources)?;
+        keys.take("coupling", &OneOf(&COUPLINGS), &mut effects.one_way)?;
+        fluid_conditions::keys(keys, effects)?;
+        let clamped = fluid.clamp != Clamp::None;
+        let darcy = effects.conductances.darcy_permeability.is_some();
+        keys.rule("darcy_permeability", (darcy && clamped).then(darcy_beside_clamp))?;
         keys.take("pressure_gradient", &Maybe(Vector("Pa/m")), &mut effects.pressure_gradient)?;
         lubrication::keys(keys, &mut effects.edges)?;
         match keys {
@@ -169,25 +178,36 @@ impl Keyed for Fluid {
     }
 }
 
-/// Pressures of walls. One that changes with time is in `in_time`; the boundary has it at the
-/// beginning.
-fn pressure(
-    keys: &mut Keys,
-    boundary: &mut Boundary,
-    in_time: &mut PerWall<Option<TimeFunction>>,
-) -> Result<()> {
-    let mut both = PerWall::from_fn(|w| {
-        in_time[w].clone().or(boundary.pressure[w].map(TimeFunction::Constant))
+/// Pressures of walls. The boundary has them at the beginning; what changes with time, and along the
+/// walls, is among the effects.
+fn pressure(keys: &mut Keys, boundary: &mut Boundary, effects: &mut FluidEffects) -> Result<()> {
+    let FluidEffects { wall_pressure: in_time, wall_profile, .. } = effects;
+    let mut all = PerWall::from_fn(|w| {
+        let level = in_time[w].clone().or(boundary.pressure[w].map(TimeFunction::Constant))?;
+        Some(WallPressure { level, profile: wall_profile[w].clone() })
     });
-    keys.by_wall("pressure", &PRESSURE, &Maybe(InTime("Pa")), &mut both.0)?;
-    boundary.pressure = both.map(|p| p.as_ref().map(|p| p.value(0.0)));
-    *in_time = both.map(changing);
+    keys.by_wall("pressure", &PRESSURE, &Maybe(AtWall), &mut all.0)?;
+    keys.rule("pressure", wrong_profile(&all))?;
+    let level = all.map(|p| p.as_ref().map(|p| p.level.clone()));
+    boundary.pressure = level.map(|p| p.as_ref().map(|p| p.value(0.0)));
+    *in_time = level.map(changing);
+    *wall_profile = all.map(|p| p.as_ref().and_then(|p| p.profile.clone()));
     Ok(())
 }
 
 /// A function that is not always the same.
 fn changing(function: &Option<TimeFunction>) -> Option<TimeFunction> {
     function.clone().filter(|p| !matches!(p, TimeFunction::Constant(_)))
+}
+
+/// Whether motion squeezes no fluid.
+const COUPLINGS: [(&str, bool); 2] = [("two-way", false), ("one-way", true)];
+
+fn darcy_beside_clamp() -> Wrong {
+    Wrong::new(
+        "stands beside a `clamp`, which bounds what the geometry says",
+        "leave one of the two out",
+    )
 }
 
 /// When networks are built anew. The strain has been looked at.
@@ -358,6 +378,12 @@ impl Fluid {
         ))
     }
 
+    /// What is wrong with its conditions in a box, as far as that is known, and among each other.
+    pub(super) fn misplaced_in(&self, bounds: Option<&Aabb>) -> Option<Wrong> {
+        let outside = |bounds| fluid_conditions::outside(&self.effects, bounds);
+        bounds.and_then(outside).or_else(|| fluid_conditions::contradiction(&self.effects))
+    }
+
     /// What has no place in a periodic cell, or none between walls.
     pub(super) fn wrong_around(&self, is_cell: bool) -> Option<Wrong> {
         let (fluid, effects, how) = (&self.fluid, &self.effects, &self.acceleration);
@@ -373,6 +399,11 @@ impl Fluid {
             (self.pressure_walls().next().is_some(), "has the `pressure` of a wall", drives),
             (!effects.imposed.is_empty(), "has an `imposed` pressure", drives),
             (!effects.sources.is_empty(), "has `sources`, whose fluid cannot leave", drives),
+            (
+                effects.conductances != ConductanceRules::default(),
+                "has conductances that are not what the geometry says",
+                "leave them out, or put walls around",
+            ),
             (!fluid.slip_walls, "has `slip_walls`", "leave it out: a cell has no walls"),
             (
                 fluid.boundary.sealed_pores == SealedPoreRule::Drained,
@@ -400,27 +431,41 @@ impl Fluid {
         })
     }
 
-    /// Effects of this table: `flow` is the fluid where some stage has flow, `coupled` where a
-    /// stage couples it to spheres that move, in a periodic cell or between walls.
+    /// Effects of this table: `flow` is the fluid where some stage has flow, `conditioned` where one
+    /// has it under the conditions of this table, `coupled` where a stage couples it to spheres that
+    /// move; in a periodic cell or between walls.
     pub(super) fn effects(
         flow: Option<&Fluid>,
+        conditioned: Option<&Fluid>,
         coupled: Option<&Fluid>,
         in_cell: bool,
-    ) -> [(&'static Effect, bool); 13] {
+    ) -> [(&'static Effect, bool); 18] {
         let is = |fluid: Option<&Fluid>, holds: fn(&Fluid) -> bool| fluid.is_some_and(holds);
+        let has_factors = |f: &Fluid| {
+            let rules = &f.effects.conductances;
+            rules.factor.is_some() || !rules.regions.is_empty()
+        };
         [
             (&PORE_FLOW, flow.is_some()),
             (&FLUID_FORCES, coupled.is_some()),
             (&WALL_SLIP, is(flow, |f| f.fluid.slip_walls) && !in_cell),
-            (&COMPRESSIBILITY, is(coupled, |f| f.effects.bulk_modulus.is_some())),
+            (&COMPRESSIBILITY, is(conditioned, |f| f.effects.bulk_modulus.is_some())),
             (&BUOYANCY, is(coupled, |f| f.effects.density.is_some())),
-            (&SOURCES, is(coupled, |f| !f.effects.sources.is_empty())),
-            (&IMPOSED_REGIONS, is(coupled, |f| !f.effects.imposed.is_empty())),
+            (&SOURCES, is(conditioned, |f| !f.effects.sources.is_empty())),
+            (&IMPOSED_REGIONS, is(conditioned, |f| !f.effects.imposed.is_empty())),
             (&PRESSURE_GRADIENT, is(coupled, |f| f.effects.pressure_gradient.is_some())),
-            (&PRESSURE_IN_TIME, is(coupled, Fluid::changes_pressures)),
+            (&IN_TIME, is(conditioned, |f| f.effects.change_in_time())),
+            (&PROFILES, is(conditioned, |f| f.effects.wall_profile.values().any(Option::is_some))),
             (&CONDUCTANCE_CLAMP, is(flow, |f| f.fluid.clamp != Clamp::None)),
-            (&BACKGROUND_REMESH, is(coupled, |f| f.acceleration.remesh == RemeshMode::Background)),
-            (&EVERY_STEP, is(coupled, |f| f.acceleration.update == Update::EveryStep)),
+            (&DARCY, is(flow, |f| f.effects.conductances.darcy_permeability.is_some())),
+            (&FACTORS, is(flow, has_factors)),
+            (&BLOCKED, is(flow, |f| !f.effects.conductances.blocked.is_empty())),
+            (&ONE_WAY, is(coupled, |f| f.effects.one_way)),
+            (
+                &BACKGROUND_REMESH,
+                is(conditioned, |f| f.acceleration.remesh == RemeshMode::Background),
+            ),
+            (&EVERY_STEP, is(conditioned, |f| f.acceleration.update == Update::EveryStep)),
             (&PARALLEL_TASKS, is(coupled, |f| f.acceleration.parallel_tasks)),
         ]
     }

@@ -13,6 +13,7 @@ mod contacts;
 mod dem;
 mod difference;
 mod fluid;
+mod fluid_conditions;
 mod grading;
 mod keys;
 mod kind;
@@ -32,6 +33,7 @@ mod stage;
 mod syntax;
 mod table;
 mod time_function;
+mod wall_pressure;
 mod walls;
 mod watched;
 mod wrong;
@@ -55,6 +57,8 @@ pub use plan::Plan;
 pub use read::known_keys;
 pub use sizes::{Cloud, SizeClass, Sizes};
 pub(crate) use stage::control::with_value;
-pub use stage::{Compact, Consolidate, Cycle, Permeability, Run, Stage, StageKind, Until};
+pub use stage::{
+    Compact, Consolidate, Cycle, FlowOnly, Permeability, Run, Stage, StageKind, Until,
+};
 pub use walls::Walls;
 pub use watched::SectionPlane;

@@ -209,20 +209,21 @@ impl Plan {
             return Err(Fault { place: Place::Table("output"), what, remedy: wrong.remedy });
         }
         self.body_rules()?;
-        let mut coupled = self.stages.iter().filter(|s| s.kind.is_coupled());
+        let is_coupled = self.stages.iter().any(|s| s.kind.is_coupled());
+        let mut flowing = self.stages.iter().filter(|s| s.kind.has_conditions());
         let gravity = self.dem.is_some_and(|dem| dem.options.gravity.is_some());
         let turns = self.dem.is_some_and(|dem| dem.options.rotation);
         let wrong = self.fluid.as_ref().and_then(|fluid| {
             let edges = &fluid.effects.edges;
-            let is_coupled = coupled.clone().next().is_some();
             let undetermined = |s: &Stage| s.kind.fluid(fluid, 0.0).undetermined_in(&s.name);
             let undetermined = match self.cell {
-                None => coupled.find_map(undetermined),
+                None => flowing.find_map(undetermined),
                 Some(_) => None,
             };
             undetermined
-                .or(fluid.weightless(gravity))
+                .or_else(|| fluid.weightless(gravity))
                 .or_else(|| lubrication::wrong_in(edges, is_coupled, turns))
+                .or_else(|| fluid.misplaced_in(self.bounds.as_ref()))
         });
         match wrong {
             Some(Wrong { problem, remedy }) => Err(Fault {
@@ -424,6 +425,11 @@ impl Plan {
         (effects != GranularEffects::default()).then(|| Granular::new(effects)).transpose()
     }
 
+    /// Whether spheres move in any stage.
+    pub fn moves(&self) -> bool {
+        self.stages.iter().any(|stage| stage.kind.moves())
+    }
+
     /// The mechanics of a stage: `[dem]`, with what the stage says otherwise. `None` where
     /// nothing moves.
     pub fn mechanics(&self, stage: &Stage) -> Option<Dem> {
@@ -444,24 +450,32 @@ impl Plan {
                     return load_packing_in_cell(path, shape).map(Some);
                 }
                 let (packing, bounds) = load_packing(path, self.bounds)?;
-                self.check_probes(&bounds)?;
+                self.check_places(&bounds)?;
                 Ok(Some((packing, bounds)))
             }
             ParticleSource::Cloud(_) => Ok(None),
         }
     }
 
-    /// Refuses a probe outside the box that holds the packing.
-    fn check_probes(&self, bounds: &Aabb) -> Result<(), InputError> {
-        let Some((_, problem)) = self.output.probe_outside(bounds) else { return Ok(()) };
-        let error = InputError::new(
-            format!("`probes` in [output] {problem}"),
-            "give points inside the box of the packing",
-        );
-        Err(match &self.file {
+    /// Refuses probes and regions outside the box that holds the packing.
+    fn check_places(&self, bounds: &Aabb) -> Result<(), InputError> {
+        if let Some((_, problem)) = self.output.probe_outside(bounds) {
+            let what = format!("`probes` in [output] {problem}");
+            return Err(self.error(what, "give points inside the box of the packing"));
+        }
+        match self.fluid.as_ref().and_then(|fluid| fluid.misplaced_in(Some(bounds))) {
+            Some(wrong) => Err(self.error(format!("[fluid] {}", wrong.problem), wrong.remedy)),
+            None => Ok(()),
+        }
+    }
+
+    /// An error about this plan, with its file.
+    pub(crate) fn error(&self, what: String, remedy: impl Into<String>) -> InputError {
+        let error = InputError::new(what, remedy);
+        match &self.file {
             Some(file) => error.in_file(file),
             None => error,
-        })
+        }
     }
 
     /// Every effect that the program knows, and whether this plan simulates it: those of each
@@ -470,16 +484,19 @@ impl Plan {
         let moving: Vec<Dem> = self.stages.iter().filter_map(|s| self.mechanics(s)).collect();
         let contacts = !moving.is_empty();
         let any = |holds: fn(&StageKind) -> bool| self.stages.iter().any(|s| holds(&s.kind));
-        let mut coupled: Vec<Cow<Fluid>> = vec![];
-        if let Some(fluid) = &self.fluid {
-            let stages = self.stages.iter().filter(|s| s.kind.is_coupled());
-            coupled.extend(stages.map(|s| s.kind.fluid(fluid, 0.0)));
-        }
-        // Stages differ in their pressures alone.
-        let coupled = coupled.iter().find(|f| f.changes_pressures()).or(coupled.first());
-        let coupled = coupled.map(|fluid| &**fluid);
+        let of_stages = |holds: fn(&StageKind) -> bool| {
+            let stages = self.stages.iter().filter(move |s| holds(&s.kind));
+            let fluid = self.fluid.as_ref();
+            let all = stages.filter_map(|s| Some(s.kind.fluid(fluid?, 0.0))).collect::<Vec<_>>();
+            // Stages differ in their pressures alone.
+            let which = all.iter().position(|fluid| fluid.changes_pressures()).unwrap_or(0);
+            all.into_iter().nth(which)
+        };
+        let coupled: Option<Cow<Fluid>> = of_stages(StageKind::is_coupled);
+        let conditioned: Option<Cow<Fluid>> = of_stages(StageKind::has_conditions);
+        let (coupled, conditioned) = (coupled.as_deref(), conditioned.as_deref());
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
-        let flow = coupled.or(self.fluid.as_ref().filter(|_| measured));
+        let flow = conditioned.or(self.fluid.as_ref().filter(|_| measured));
         let mut effects = Vec::new();
         effects.extend(self.particles.effects(contacts));
         effects.extend(materials::described(&self.other_materials, contacts));
@@ -490,7 +507,7 @@ impl Plan {
         effects.extend(GivenMotion::described(&self.motions, contacts));
         effects.push((&PERIODIC_CELL, contacts && self.cell.is_some()));
         effects.extend(stage::effects(&self.stages));
-        effects.extend(Fluid::effects(flow, coupled, self.cell.is_some()));
+        effects.extend(Fluid::effects(flow, conditioned, coupled, self.cell.is_some()));
         effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects

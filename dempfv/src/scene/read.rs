@@ -22,10 +22,11 @@ use super::region;
 use super::schema::Schema;
 use super::sizes;
 use super::stage::{Before, Stage, cell_controls, compact, consolidate, control, cycle};
-use super::stage::{permeability, run, until};
+use super::stage::{flow, permeability, run, until};
 use super::syntax;
 use super::table::{Source, Table, Value};
 use super::time_function;
+use super::wall_pressure;
 use super::walls::{self, Walls};
 use super::watched;
 use crate::domain::Aabb;
@@ -35,7 +36,7 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 31] = [
+static SCHEMAS: [&Schema; 35] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
@@ -52,14 +53,18 @@ static SCHEMAS: [&Schema; 31] = [
     &fluid::SCHEMA,
     &fluid::PRESSURE,
     &time_function::SCHEMA,
+    &wall_pressure::SCHEMA,
     &region::IMPOSED,
     &region::SOURCES,
+    &region::BLOCKED,
+    &region::CONDUCTANCE_REGIONS,
     &output::SCHEMA,
     &watched::REGIONS,
     &watched::SECTION,
     &compact::SCHEMA,
     &cycle::SCHEMA,
     &permeability::SCHEMA,
+    &flow::SCHEMA,
     &consolidate::SCHEMA,
     &run::SCHEMA,
     &until::SCHEMA,

@@ -13,6 +13,7 @@ pub(super) static SCHEMA: Schema =
     Schema::table("a function of time", &["ramp", "mean", "amplitude", "frequency"]);
 
 /// A value in a unit that may change with time.
+#[derive(Clone, Copy)]
 pub(super) struct InTime(pub &'static str);
 
 impl Kind<TimeFunction> for InTime {

@@ -348,7 +348,7 @@ fn goal_stress(stage: &Stage) -> Option<f64> {
         StageKind::Compact(compact) => Some(compact.stress),
         StageKind::Cycle(cycle) => Some(cycle.from),
         StageKind::Consolidate(consolidate) => Some(consolidate.stress),
-        StageKind::Permeability(_) => None,
+        StageKind::Permeability(_) | StageKind::Flow(_) => None,
         StageKind::Run(run) => {
             let goals = run.walls.values().filter_map(|control| match control {
                 WallControl::Servo { stress, .. } => Some(*stress),

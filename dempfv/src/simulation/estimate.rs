@@ -128,7 +128,7 @@ fn estimated_bounds(plan: &Plan, smallest_radius: f64) -> TimeStepBounds {
     });
     let stiffness = 2.0 * (normal + 2.0 * shear);
     let coupled = plan.stages.iter().any(|s| s.kind.is_coupled());
-    let fluid = plan.fluid.as_ref().filter(|_| coupled);
+    let fluid = plan.fluid.as_ref().filter(|f| coupled && !f.effects.one_way);
     let undamped = plan.dem.as_ref().is_some_and(|dem| dem.options.damping == 0.0);
     // As `Dem::collision_time_step`.
     let collision = std::f64::consts::PI * (mass / (2.0 * normal)).sqrt() / 16.0;
@@ -241,9 +241,10 @@ impl Estimate {
         let any = |holds: fn(&StageKind) -> bool| plan.stages.iter().any(|s| holds(&s.kind));
         let measured = any(|k| matches!(k, StageKind::Permeability(_)));
         let coupled = any(StageKind::is_coupled);
-        let fluid = plan.fluid.as_ref().filter(|_| coupled || measured);
+        let conditioned = any(StageKind::has_conditions);
+        let fluid = plan.fluid.as_ref().filter(|_| conditioned || measured);
         let flow = fluid.map(|fluid| {
-            let drained = if coupled { fluid.pressure_walls().count() } else { 2 };
+            let drained = if conditioned { fluid.pressure_walls().count() } else { 2 };
             FlowSize::of(specimen, drained, fluid, threads)
         });
         let dem = plan.dem.as_ref().filter(|_| any(StageKind::moves));

@@ -21,6 +21,7 @@
 
 mod advice;
 mod clock;
+mod conditions;
 mod estimate;
 mod fingerprint;
 mod grading;
@@ -35,10 +36,11 @@ mod warning;
 
 pub use crate::stage_error::StageError;
 pub use advice::{Advice, Verdict};
+pub use conditions::check_conditions;
 pub use estimate::{Estimate, Specimen, UnstableStage};
 pub use grading::{Grading, GradingClass};
 pub use outcome::{
-    CellState, Compaction, Consolidation, ConsolidationSample, LoadCycles, Outcome,
+    CellState, Compaction, Consolidation, ConsolidationSample, FlowTest, LoadCycles, Outcome,
     PermeabilityTest, Profile, StageOutcome, StressPath, StressPathSample,
 };
 pub use restart::{Change, Effect, Restart};

@@ -27,6 +27,8 @@ pub enum Outcome {
     Cycle(LoadCycles),
     /// Of a `permeability` stage.
     Permeability(PermeabilityTest),
+    /// Of a `flow` stage.
+    Flow(Box<FlowTest>),
     /// Of a `consolidate` stage.
     Consolidate(Consolidation),
     /// Of a `run` stage.
@@ -99,6 +101,27 @@ pub struct PermeabilityTest {
     pub residual: f64,
     /// Of a periodic cell the whole tensor (m²), by rows; `None` between walls.
     pub tensor_m2: Option<[[f64; 3]; 3]>,
+}
+
+/// The flow through spheres at rest at the end of its stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlowTest {
+    /// Flux through each wall, positive into the box (m³/s).
+    pub flux_m3_s: [f64; 6],
+    /// Flux from the pores of each entry of `imposed`, positive into the box (m³/s).
+    pub imposed_flux_m3_s: Vec<f64>,
+    /// Mean pressure by volume (Pa).
+    pub mean_pressure_pa: f64,
+    /// The fluid's force on all spheres together (N).
+    pub force_n: [f64; 3],
+    /// The fluid's force on each wall (N).
+    pub wall_force_n: [[f64; 3]; 6],
+    /// What enters less what leaves or is stored, relative to the flux (1).
+    pub imbalance: f64,
+    /// Pores of the network.
+    pub pores: u64,
+    /// Unknown pressures of it.
+    pub unknowns: u64,
 }
 
 /// One-dimensional consolidation under a stress put on at once.
@@ -207,6 +230,7 @@ impl Outcome {
             Outcome::Compact(_) => "compact",
             Outcome::Cycle(_) => "cycle",
             Outcome::Permeability(_) => "permeability",
+            Outcome::Flow(_) => "flow",
             Outcome::Consolidate(_) => "consolidate",
             Outcome::Run(_) => "run",
         }

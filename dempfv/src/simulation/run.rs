@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
+use super::conditions::check_conditions;
 use super::estimate::UnstableStage;
 use super::fingerprint::fingerprint;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
@@ -94,6 +95,7 @@ impl Simulation {
     pub fn new(plan: Plan) -> Result<Simulation> {
         plan.validate()?;
         let specimen = setup::specimen(&plan)?;
+        check_conditions(&plan, &specimen.position, &specimen.radius, specimen.bounds)?;
         let origin = Origin::new(&plan, &specimen.position, &specimen.radius, specimen.bounds);
         let coupled = setup::coupled(&plan, setup::mechanics(&plan, specimen)?)?;
         Ok(Simulation {
@@ -151,7 +153,7 @@ impl Simulation {
         let changes = Changes::new(&differences, going.map(|stage| stage.name.as_str()));
         let mut saved = state.coupled;
         let was_wet = saved.parameters.saturation.is_some();
-        let is_wet = going.map_or(was_wet, |stage| stage.kind.is_coupled());
+        let is_wet = going.map_or(was_wet, |stage| stage.kind.has_conditions());
         let materials = plan.materials();
         saved.set_densities(&materials.iter().map(|m| m.density).collect::<Vec<_>>());
         saved.parameters = parameters(&plan, is_wet, going.map(|s| (s, state.stage_start.1)));
@@ -227,6 +229,9 @@ impl Simulation {
 
     /// A failure of a step, with a fixed time step as its cause where that is above the limit.
     fn with_cause(&mut self, source: Error) -> Error {
+        if !self.plan.moves() {
+            return source;
+        }
         let bounds = self.coupled.time_step_bounds();
         // That one says it itself.
         let known = matches!(source, Error::Dem(DemError::TimeStepTooLarge { .. }));

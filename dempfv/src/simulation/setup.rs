@@ -100,6 +100,9 @@ pub(super) fn mechanics(plan: &Plan, specimen: Specimen) -> Result<Dem> {
         (Some(law), Some(cell)) => Dem::in_cell(law, particles, cell, materials, options)?,
         (None, Some(cell)) => Dem::in_cell(Linear, particles, cell, materials, options)?,
         (Some(law), None) => Dem::with_law(law, particles, bounds, materials, walls, options)?,
+        (None, None) if !plan.moves() => {
+            Dem::standing(particles, bounds, materials, walls, options)?
+        }
         (None, None) => Dem::with_law(Linear, particles, bounds, materials, walls, options)?,
     };
     if !clumps.is_empty() {

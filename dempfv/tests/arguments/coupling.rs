@@ -40,6 +40,10 @@ pub fn table() -> Table {
     for value in NO_LENGTHS {
         t.refuses("coupling::Coupled::step", "time step", || dry().step(value));
         t.refuses("coupling::Coupled::step", "time step", || wet().step(value));
+        t.refuses("coupling::Coupled::step_fluid", "time step", || {
+            // 0 stands for the flow of the moment.
+            wet().step_fluid(if value == 0.0 { -0.5 } else { value })
+        });
         t.refuses("coupling::Coupled::step_auto", "safety", || wet().step_auto(value));
         t.refuses("coupling::Coupled::automatic_time_step", "safety", || {
             dry().automatic_time_step(value)

@@ -84,6 +84,7 @@ fn making(t: &mut Table, function: &'static str, make: Make) {
 pub fn table() -> Table {
     let mut t = Table::default();
     making(&mut t, "dem::Dem::new", Dem::new);
+    making(&mut t, "dem::Dem::standing", |p, b, m, w, o| Dem::standing(p, b, &[m], w, o));
     making(&mut t, "dem::Dem::with_law", |p, b, m, w, o| {
         Dem::with_law(dempfv::dem::law::Linear, p, b, &[m], w, o)
     });

@@ -3,11 +3,11 @@
 use super::{NO_LENGTHS, Table};
 use dempfv::pfv::terms::{Compressibility, FluidTerm, PoreSource, Sources, StepTerms};
 use dempfv::pfv::{
-    Assembled, Boundary, Clamp, Derivatives, Flow, Fluid, ImposedPressure, Network, Operators,
-    PfvError, PoreConditions, PoreSelection,
+    Assembled, Boundary, Clamp, Derivatives, Flow, Fluid, ImposedPressure, Network,
+    NetworkConditions, Operators, PfvError, PoreConditions, PoreSelection, PressureProfile,
 };
 use dempfv::solver::SolverKind;
-use dempfv::{Aabb, Vec3, WallId};
+use dempfv::{Aabb, Axis, Vec3, WallId};
 
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
 const UNIT: Aabb = Aabb { min: Vec3::new(0.0, 0.0, 0.0), max: Vec3::new(1.0, 1.0, 1.0) };
@@ -133,6 +133,25 @@ pub fn table() -> Table {
         let terms: Vec<Box<dyn FluidTerm>> = vec![Box::new(Compressibility::new(1e6).unwrap())];
         Assembled::with_terms(x, r, b, f, &[], StepTerms { terms, time_step: 1.0 }).map(drop)
     });
+    making(&mut t, "pfv::Assembled::with_conditions", |x, r, b, f| {
+        let conditions = NetworkConditions::default();
+        Assembled::with_conditions(x, r, b, f, conditions, StepTerms::default()).map(drop)
+    });
+    making(&mut t, "pfv::NetworkConditions::check", |x, r, b, f| {
+        NetworkConditions::default().check(x, r, b, f, &[])
+    });
+    t.gives("pfv::Network::is_blocked", "false", || !network().0.is_blocked(usize::MAX));
+    for (number, pressure) in [(0, 1.0), (usize::MAX, 1.0), (0, f64::NAN)] {
+        t.refuses("pfv::Flow::set_imposed_pressure", "is not", || {
+            flow().set_imposed_pressure(number, pressure)
+        });
+        t.refuses("pfv::Flow::set_source_rate", "is not", || {
+            flow().set_source_rate(number, pressure)
+        });
+    }
+    let profile = || PressureProfile { along: Axis::X, points: vec![] };
+    t.gives("pfv::PressureProfile::value", "no number", || profile().value(f64::NAN).is_nan());
+    t.gives("pfv::PressureProfile::problem", "one", || profile().problem(WallId::YMin).is_some());
     for value in NO_LENGTHS {
         let storing =
             || -> Vec<Box<dyn FluidTerm>> { vec![Box::new(Compressibility::new(1e6).unwrap())] };

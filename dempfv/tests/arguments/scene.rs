@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::{NO_LENGTHS, Table};
 use dempfv::coupling::StandardBuilder;
+use dempfv::pfv::{ImposedPressure, PoreSelection};
 use dempfv::scene::{
-    Cloud, Compact, Consolidate, Dem, Fluid, GradingCurve, ParticleSource, Plan, Run, Sizes, Stage,
-    StageKind, TimeStep, differences,
+    Cloud, Compact, Consolidate, Dem, FlowOnly, Fluid, GradingCurve, ParticleSource, Plan, Run,
+    Sizes, Stage, StageKind, TimeStep, differences,
 };
 use dempfv::simulation::{
-    Consolidation, Estimate, Simulation, Specimen, Stability, initial_packing,
+    Consolidation, Estimate, Simulation, Specimen, Stability, check_conditions, initial_packing,
 };
 use dempfv::{Aabb, InputError, Vec3, WallId, theory};
 
@@ -57,6 +58,19 @@ fn estimate(plan: &Plan) -> Result<(), InputError> {
 
 pub fn table() -> Table {
     let mut t = Table::default();
+    let mut flows = good();
+    flows.stages = vec![Stage::new("flow", StageKind::Flow(FlowOnly::default()))];
+    let effects = &mut flows.fluid.as_mut().unwrap().effects;
+    let pores = PoreSelection::Around { center: Vec3::repeat(0.5), radius: 0.2 };
+    effects.imposed = vec![ImposedPressure { pores, pressure: 1.0 }];
+    let unit = Aabb { min: Vec3::zeros(), max: Vec3::repeat(1.0) };
+    for (word, x, r) in [
+        ("radius", vec![Vec3::repeat(0.5)], vec![]),
+        ("position[0]", vec![Vec3::repeat(f64::NAN)], vec![0.1]),
+        ("no spheres", vec![], vec![]),
+    ] {
+        t.refuses("simulation::check_conditions", word, || check_conditions(&flows, &x, &r, unit));
+    }
     let mut refuse = |word: &str, plan: &dyn Fn() -> Plan| {
         t.refuses("simulation::Simulation::new", word, || Simulation::new(plan()).map(drop));
         t.refuses("simulation::Estimate::of", word, || estimate(&plan()));

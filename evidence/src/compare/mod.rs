@@ -4,6 +4,7 @@ mod coupled;
 mod dry;
 mod edges;
 mod figures;
+mod injection;
 mod loading;
 mod network;
 mod page;
@@ -71,7 +72,7 @@ struct YadeArgs {
     #[arg(long, value_name = "PROGRAM", default_value = "yade")]
     yade: PathBuf,
     /// Instead of the report, write what YADE finds into this folder, as reference for
-    /// tests: of small loadings, and of the networks of the packings named
+    /// tests: of small loadings, of an injection, and of the networks of the packings named
     #[arg(long, value_name = "DIR", conflicts_with = "parts")]
     write_reference: Option<PathBuf>,
     #[command(flatten)]
@@ -171,6 +172,7 @@ fn run_yade(args: &YadeArgs) -> Result<YadeReport, Error> {
     if let Some(folder) = &args.write_reference {
         make_folder(folder)?;
         reference::write(&bench, folder)?;
+        injection::write(&bench, folder)?;
         if !args.packings.is_empty() {
             network::write_reference(&bench, &networks, folder)?;
         }

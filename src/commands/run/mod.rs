@@ -242,7 +242,10 @@ impl Session {
 
     fn begin_stage(&mut self, simulation: &Simulation) {
         if let Some(stage) = simulation.stage() {
-            let bounded = matches!(stage.kind, StageKind::Run(_) | StageKind::Consolidate(_));
+            let bounded = matches!(
+                stage.kind,
+                StageKind::Run(_) | StageKind::Consolidate(_) | StageKind::Flow(_)
+            );
             self.progress.begin(&stage.name, simulation.step(), bounded);
         }
     }

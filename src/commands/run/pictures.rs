@@ -21,6 +21,7 @@ pub fn of_stage(folder: &Path, simulation: &Simulation, stage: &StageOutcome) ->
             section(folder, simulation, &format!("at the end of {}", stage.name))?;
             stress_path::draw(folder, simulation, stage, m, &in_file_name(simulation, stage))
         }
+        Outcome::Flow(_) => section(folder, simulation, &format!("at the end of {}", stage.name)),
         Outcome::Compact(_) | Outcome::Cycle(_) | Outcome::Permeability(_) => Ok(()),
     }
 }

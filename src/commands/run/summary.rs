@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use dempfv::Calls;
 use dempfv::coupling::{Coupled, GpuUse};
 use dempfv::dem::EnergyBalance;
 use dempfv::scene::{Dem, TimeStep};
@@ -62,6 +63,8 @@ pub struct Report {
     ms_per_step: Option<f64>,
     phases_ms: BTreeMap<&'static str, f64>,
     remeshes: u64,
+    /// How often this process called for triangulations, factorizations and neighbour lists.
+    calls: Calls,
     /// What happened at them, in this session; `None` without fluid.
     remesh: Option<Remesh>,
     /// Largest relative residual of the first solves after factorizations.
@@ -163,6 +166,7 @@ impl Report {
             ms_per_step: (steps > 0).then(|| 1e3 * wall_s / steps as f64),
             phases_ms: coupled.phases().in_ms().collect(),
             remeshes: simulation.remeshes(),
+            calls: Calls::so_far(),
             remesh: plan.fluid.is_some().then(|| Remesh::of(coupled)),
             largest_residual: coupled.largest_residual(),
             largest_imbalance: coupled.largest_imbalance(),
@@ -282,6 +286,11 @@ pub fn headline(outcome: &Outcome) -> String {
             p.kozeny_carman_constant,
             p.kozeny_carman_m2
         ),
+        Outcome::Flow(f) => {
+            let within = f.imposed_flux_m3_s.iter();
+            let entering: f64 = f.flux_m3_s.iter().chain(within).map(|q| q.max(0.0)).sum();
+            format!("{entering:.3e} m³/s enter, mean pressure {}", si(f.mean_pressure_pa, "Pa"))
+        }
         Outcome::Consolidate(c) => format!(
             "settlement {} of {}, U off Terzaghi by {:.3} at most",
             si(c.samples.last().map_or(0.0, |s| s.settlement_m), "m"),

@@ -48,13 +48,15 @@ pub struct StepTerms {
 #[derive(Debug, Default)]
 pub(super) struct Terms {
     terms: Vec<Box<dyn FluidTerm>>,
+    /// Sources whose rates may change; not among the others.
+    sources: Option<Sources>,
     /// What each pore takes up in all; empty without terms.
     uptake: Vec<f64>,
 }
 
 impl Terms {
     pub fn new(terms: Vec<Box<dyn FluidTerm>>) -> Terms {
-        Terms { terms, uptake: vec![] }
+        Terms { terms, ..Terms::default() }
     }
 
     /// Whether a term stores fluid.
@@ -80,29 +82,48 @@ impl Terms {
         self.terms.push(term);
     }
 
+    /// Takes sources in, in the place of others.
+    pub fn set_sources(&mut self, sources: Sources) {
+        self.remove(Sources::NAME);
+        self.sources = Some(sources);
+    }
+
+    pub fn sources_mut(&mut self) -> Option<&mut Sources> {
+        self.sources.as_mut()
+    }
+
     /// Takes a term out. Returns whether there was one of this name.
     pub fn remove(&mut self, name: &str) -> bool {
-        let before = self.terms.len();
+        let before = self.names().count();
         self.terms.retain(|term| term.name() != name);
-        if self.terms.is_empty() {
+        self.sources = self.sources.take().filter(|_| name != Sources::NAME);
+        if self.is_empty() {
             self.uptake = vec![];
         }
-        self.terms.len() < before
+        self.names().count() < before
+    }
+
+    fn is_empty(&self) -> bool {
+        self.terms.is_empty() && self.sources.is_none()
     }
 
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.terms.iter().map(|term| term.name())
+        let sources = self.sources.iter().map(|sources| sources.name());
+        self.terms.iter().map(|term| term.name()).chain(sources)
     }
 
     /// What the throats of each pore must bring (m³/s): its growth, and what the terms take up.
     pub fn demand<'a>(&'a mut self, volume_rate: &'a [f64]) -> &'a [f64] {
-        if self.terms.is_empty() {
+        if self.is_empty() {
             return volume_rate;
         }
         self.uptake.clear();
         self.uptake.extend_from_slice(volume_rate);
         for term in &self.terms {
             term.add_uptake(&mut self.uptake);
+        }
+        if let Some(sources) = &self.sources {
+            sources.add_uptake(&mut self.uptake);
         }
         &self.uptake
     }

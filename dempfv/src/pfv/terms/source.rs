@@ -31,8 +31,10 @@ pub struct PoreSource {
 /// Sources of fluid, pore by pore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sources {
-    /// Pores and what enters each (m³/s).
-    rates: Vec<(u32, f64)>,
+    /// Of each source (m³/s).
+    rate: Vec<f64>,
+    /// Pores, the source of each, and its share of what that brings (1).
+    pores: Vec<(u32, u32, f64)>,
 }
 
 impl Sources {
@@ -53,7 +55,7 @@ impl Sources {
         sources: &[PoreSource],
     ) -> Result<Sources, PfvError> {
         require_length("conditions", conditions.pores(), network.pores(), "pores")?;
-        let mut rates = vec![];
+        let mut shares = vec![];
         for (k, PoreSource { pores, rate }) in sources.iter().enumerate() {
             let wrong = |problem: String| Err(PfvError::invalid("sources", k, problem));
             if !rate.is_finite() {
@@ -63,7 +65,7 @@ impl Sources {
             if selected.is_empty() {
                 return wrong("selects no pore; choose other pores or a larger radius".to_owned());
             }
-            let share = rate / selected.len() as f64;
+            let share = 1.0 / selected.len() as f64;
             for &pore in &selected {
                 if pore as usize >= network.pores() {
                     return wrong(format!("pore {pore} of a network of {}", network.pores()));
@@ -73,20 +75,25 @@ impl Sources {
                         "pore {pore} has an imposed pressure; put the source into a free one"
                     ));
                 }
-                rates.push((pore, share));
+                shares.push((pore, k as u32, share));
             }
         }
-        Ok(Sources { rates })
+        Ok(Sources { rate: sources.iter().map(|source| source.rate).collect(), pores: shares })
     }
 
     /// True when there is no source.
     pub fn is_empty(&self) -> bool {
-        self.rates.is_empty()
+        self.rate.is_empty()
     }
 
     /// What enters all pores together (m³/s).
     pub fn total(&self) -> f64 {
-        self.rates.iter().map(|(_, rate)| rate).sum()
+        self.rate.iter().sum()
+    }
+
+    /// Changes what one source brings (m³/s). False where there is none of this number.
+    pub(in crate::pfv) fn set_rate(&mut self, number: usize, rate: f64) -> bool {
+        self.rate.get_mut(number).map(|old| *old = rate).is_some()
     }
 }
 
@@ -96,9 +103,9 @@ impl FluidTerm for Sources {
     }
 
     fn add_uptake(&self, uptake: &mut [f64]) {
-        for &(pore, rate) in &self.rates {
+        for &(pore, source, share) in &self.pores {
             if let Some(uptake) = uptake.get_mut(pore as usize) {
-                *uptake -= rate;
+                *uptake -= share * self.rate[source as usize];
             }
         }
     }

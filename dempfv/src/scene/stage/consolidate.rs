@@ -138,8 +138,14 @@ impl Consolidate {
         }
         if fluid.changes_pressures() {
             return Some(Wrong::new(
-                "consolidates against a pressure that changes with time",
+                "consolidates against a pressure that changes with time or along a wall",
                 "impose pressures that are numbers",
+            ));
+        }
+        if fluid.effects.one_way {
+            return Some(Wrong::new(
+                "consolidates, but with `coupling = \"one-way\"` no load presses on the fluid",
+                "take \"two-way\"",
             ));
         }
         let at = fluid.fluid.boundary.pressure;

@@ -5,6 +5,7 @@ pub(super) mod compact;
 pub(super) mod consolidate;
 pub(crate) mod control;
 pub(super) mod cycle;
+pub(super) mod flow;
 pub(super) mod permeability;
 pub(super) mod run;
 pub(super) mod until;
@@ -16,6 +17,7 @@ use serde::Serialize;
 pub use compact::Compact;
 pub use consolidate::Consolidate;
 pub use cycle::Cycle;
+pub use flow::FlowOnly;
 pub use permeability::Permeability;
 pub use run::Run;
 pub use until::Until;
@@ -81,6 +83,8 @@ pub enum StageKind {
     Cycle(Cycle),
     /// Static flow through the packing at rest.
     Permeability(Permeability),
+    /// The fluid alone, through spheres at rest.
+    Flow(FlowOnly),
     /// Coupled one-dimensional consolidation.
     Consolidate(Consolidate),
     /// A number of steps under given wall motions.
@@ -94,6 +98,7 @@ impl StageKind {
             StageKind::Compact(_) => "compact",
             StageKind::Cycle(_) => "cycle",
             StageKind::Permeability(_) => "permeability",
+            StageKind::Flow(_) => "flow",
             StageKind::Consolidate(_) => "consolidate",
             StageKind::Run(_) => "run",
         }
@@ -101,10 +106,15 @@ impl StageKind {
 
     /// True when spheres move in this stage.
     pub const fn moves(&self) -> bool {
-        !matches!(self, StageKind::Permeability(_))
+        !matches!(self, StageKind::Permeability(_) | StageKind::Flow(_))
     }
 
-    /// True when the flow is solved at every step of this stage.
+    /// True when the fluid flows under the conditions of its table in this stage.
+    pub const fn has_conditions(&self) -> bool {
+        self.is_coupled() || matches!(self, StageKind::Flow(_))
+    }
+
+    /// True when the flow is solved at every step of this stage, beside the motion of the spheres.
     pub const fn is_coupled(&self) -> bool {
         match self {
             StageKind::Consolidate(_) => true,
@@ -134,7 +144,7 @@ impl StageKind {
         match self {
             StageKind::Cycle(_) | StageKind::Consolidate(_) => true,
             StageKind::Run(run) => run.has_servo(),
-            StageKind::Compact(_) | StageKind::Permeability(_) => false,
+            StageKind::Compact(_) | StageKind::Permeability(_) | StageKind::Flow(_) => false,
         }
     }
 
@@ -148,6 +158,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.schema(),
             StageKind::Cycle(stage) => stage.schema(),
             StageKind::Permeability(stage) => stage.schema(),
+            StageKind::Flow(stage) => stage.schema(),
             StageKind::Consolidate(stage) => stage.schema(),
             StageKind::Run(stage) => stage.schema(),
         }
@@ -158,6 +169,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.check(),
             StageKind::Cycle(stage) => stage.check(),
             StageKind::Permeability(stage) => stage.check(),
+            StageKind::Flow(stage) => stage.check(),
             StageKind::Consolidate(stage) => stage.check(),
             StageKind::Run(stage) => stage.check(),
         }
@@ -168,6 +180,7 @@ impl StageKind {
             StageKind::Compact(stage) => stage.write(),
             StageKind::Cycle(stage) => stage.write(),
             StageKind::Permeability(stage) => stage.write(),
+            StageKind::Flow(stage) => stage.write(),
             StageKind::Consolidate(stage) => stage.write(),
             StageKind::Run(stage) => stage.write(),
         }
@@ -180,12 +193,13 @@ impl StageKind {
             StageKind::Cycle(stage) => stage.max_velocity = max_velocity,
             StageKind::Consolidate(stage) => stage.max_velocity = max_velocity,
             StageKind::Run(stage) => stage.fluid = before.has_fluid,
-            StageKind::Compact(_) | StageKind::Permeability(_) => {}
+            StageKind::Compact(_) | StageKind::Permeability(_) | StageKind::Flow(_) => {}
         }
         Ok(match self {
             StageKind::Compact(stage) => StageKind::Compact(stage.read(table)?),
             StageKind::Cycle(stage) => StageKind::Cycle(stage.read(table)?),
             StageKind::Permeability(stage) => StageKind::Permeability(stage.read(table)?),
+            StageKind::Flow(stage) => StageKind::Flow(stage.read(table)?),
             StageKind::Consolidate(stage) => StageKind::Consolidate(stage.read(table)?),
             StageKind::Run(stage) => StageKind::Run(stage.read_with(table, max_velocity)?),
         })
@@ -278,7 +292,7 @@ impl Stage {
             let problem = "moves spheres, but there is no [dem]";
             return Some(Wrong::new(problem, "add [dem] (it may be empty)"));
         }
-        let needs_fluid = kind.is_coupled() || matches!(kind, StageKind::Permeability(_));
+        let needs_fluid = kind.has_conditions() || matches!(kind, StageKind::Permeability(_));
         let Some(fluid) = fluid else {
             let problem = "needs a fluid, but there is no [fluid]";
             let remedy = "add [fluid] with `viscosity` in Pa·s";
@@ -288,6 +302,7 @@ impl Stage {
             StageKind::Consolidate(stage) => {
                 stage.wrong_after(&measured(Axis::of(stage.wall), earlier), fluid)
             }
+            StageKind::Flow(stage) => stage.wrong_with(fluid.effects.store()),
             _ => self.wrong(),
         }
     }
@@ -358,6 +373,7 @@ fn read_kind(stage: &Value) -> Result<StageKind> {
         StageKind::Compact(Compact::default()),
         StageKind::Cycle(Cycle::default()),
         StageKind::Permeability(Permeability::default()),
+        StageKind::Flow(FlowOnly::default()),
         StageKind::Consolidate(Consolidate::default()),
         StageKind::Run(Run::default()),
     ];

@@ -94,7 +94,7 @@ pub(super) fn servo_walls(plan: &Plan) -> Vec<WallId> {
             StageKind::Run(run) => matches!(run.walls[wall], WallControl::Servo { .. }),
             StageKind::Consolidate(stage) => stage.wall == wall,
             StageKind::Cycle(stage) => stage.wall == wall,
-            StageKind::Compact(_) | StageKind::Permeability(_) => false,
+            StageKind::Compact(_) | StageKind::Permeability(_) | StageKind::Flow(_) => false,
         })
     };
     WallId::ALL.into_iter().filter(|&wall| held(wall)).collect()

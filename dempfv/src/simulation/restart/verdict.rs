@@ -114,7 +114,10 @@ fn fluid(keys: &[&str], under_way: &UnderWay) -> Verdict {
         ["viscosity"] if consolidates => Verdict::Odd(
             "pressures jump, and T_v of the stage under way goes on by the value before".to_owned(),
         ),
-        ["viscosity" | "bulk_modulus" | "slip_walls" | "clamp"] => {
+        ["viscosity" | "bulk_modulus" | "slip_walls" | "clamp" | "coupling"] => {
+            Verdict::Odd("pressures jump".to_owned())
+        }
+        ["darcy_permeability" | "conductance_factor" | "conductance_regions" | "blocked", ..] => {
             Verdict::Odd("pressures jump".to_owned())
         }
         _ => used(""),

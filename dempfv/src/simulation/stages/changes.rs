@@ -47,6 +47,11 @@ impl<'a> Changes<'a> {
             "sealed_pores",
             "imposed",
             "sources",
+            "coupling",
+            "darcy_permeability",
+            "conductance_factor",
+            "conductance_regions",
+            "blocked",
             "pressure_gradient",
         ];
         self.has(&["particles", "density"])

@@ -73,6 +73,16 @@ impl Context<'_> {
         Ok(())
     }
 
+    /// One step of this length (s) of the fluid alone.
+    pub fn step_fluid(&mut self, dt: f64) -> Result<()> {
+        self.clock.dt = dt;
+        self.clock.bounds = None;
+        self.coupled.set_time(self.clock.time);
+        self.coupled.step_fluid(dt)?;
+        self.clock.advance();
+        Ok(())
+    }
+
     /// Warns of a fixed time step above its limit.
     fn watch_fixed_step(&mut self) -> Result<()> {
         if self.coupled.dem().len() <= MEASURED {

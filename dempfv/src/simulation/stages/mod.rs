@@ -8,6 +8,7 @@ mod consolidate;
 mod context;
 mod cycle;
 mod end;
+mod flow;
 mod permeability;
 mod run;
 mod servo_watch;
@@ -32,6 +33,7 @@ pub(super) enum Active {
     Compact(compact::State),
     Cycle(cycle::State),
     Permeability(permeability::State),
+    Flow(flow::State),
     Consolidate(consolidate::State),
     Run(run::State),
 }
@@ -41,14 +43,16 @@ impl Active {
     pub fn start(context: &mut Context) -> Result<Active> {
         // The last step of the stage before ends under its own friction, and
         // this one knows the stresses that it starts from; after a restart too.
-        context.coupled.compute_contacts()?;
+        if context.plan.moves() {
+            context.coupled.compute_contacts()?;
+        }
         for wall in WallId::ALL {
             context.coupled.controls().set_control(wall, WallControl::Fixed)?;
         }
         if context.coupled.dem().cell().is_some() {
             context.coupled.controls().set_cell_controls(CellControls::default())?;
         }
-        if !context.stage.kind.is_coupled() {
+        if !context.stage.kind.has_conditions() {
             context.coupled.drain();
         }
         let damping = context.mechanics().options.damping;
@@ -59,6 +63,7 @@ impl Active {
             StageKind::Compact(plan) => Active::Compact(compact::State::start(plan, context)?),
             StageKind::Cycle(plan) => Active::Cycle(cycle::State::start(plan, context)?),
             StageKind::Permeability(plan) => Active::Permeability(permeability::State::start(plan)),
+            StageKind::Flow(plan) => Active::Flow(flow::State::start(plan, context)?),
             StageKind::Consolidate(plan) => {
                 Active::Consolidate(consolidate::State::start(plan, context)?)
             }
@@ -73,6 +78,7 @@ impl Active {
             Active::Compact(state) => state.advance(context),
             Active::Cycle(state) => state.advance(context),
             Active::Permeability(state) => state.advance(context),
+            Active::Flow(state) => state.advance(context),
             Active::Consolidate(state) => state.advance(context),
             Active::Run(state) => state.advance(context),
         }?;
@@ -88,6 +94,7 @@ impl Active {
             Active::Compact(_) => "compact",
             Active::Cycle(_) => "cycle",
             Active::Permeability(_) => "permeability",
+            Active::Flow(_) => "flow",
             Active::Consolidate(_) => "consolidate",
             Active::Run(_) => "run",
         }
@@ -98,6 +105,7 @@ impl Active {
         match self {
             Active::Consolidate(state) => Some(state.progress(clock)),
             Active::Run(state) => Some(state.progress(clock)),
+            Active::Flow(state) => Some(state.progress(clock)),
             Active::Compact(_) | Active::Cycle(_) | Active::Permeability(_) => None,
         }
     }
@@ -138,6 +146,10 @@ impl Active {
                 *state = permeability::State::start(stage);
                 Ok(())
             }
+            (Active::Flow(state), StageKind::Flow(stage)) => {
+                state.restore(stage);
+                Ok(())
+            }
             (Active::Consolidate(state), StageKind::Consolidate(stage)) => {
                 state.restore(coupled, stage, changes, clock)
             }
@@ -154,7 +166,7 @@ fn track_energy(coupled: &mut Coupled, plan: &Plan, kind: &StageKind) {
     let tracked = match kind {
         StageKind::Compact(_) => false,
         // Nothing moves.
-        StageKind::Permeability(_) => return,
+        StageKind::Permeability(_) | StageKind::Flow(_) => return,
         StageKind::Cycle(_) | StageKind::Consolidate(_) | StageKind::Run(_) => plan.output.energy,
     };
     if tracked != coupled.dem().tracks_energy() {

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::context::{Context, Progress};
 use crate::coupling::{CouplingError, Phase};
-use crate::pfv::{Boundary, Flow};
+use crate::pfv::terms::StepTerms;
+use crate::pfv::{Assembled, Boundary, Flow, NetworkConditions};
 use crate::scene;
 use crate::simulation::outcome::{Outcome, PermeabilityTest};
 use crate::theory::{KOZENY_CARMAN, kozeny_carman, sauter_diameter};
@@ -77,8 +78,12 @@ fn flow(
     in_pores.boundary.pressure[lower.opposite()] = Some(0.0);
     let dem = context.coupled.dem();
     let particles = dem.storage();
-    let (position, radius) = (&particles.position, &particles.radius);
-    let mut flow = Flow::new(position, radius, dem.box_(), &in_pores, fluid.solver)
+    let conductances = fluid.effects.conductances.clone();
+    let conditions = NetworkConditions { conductances, ..NetworkConditions::default() };
+    let (x, r) = (&particles.position, &particles.radius);
+    let terms = StepTerms::default();
+    let mut flow = Assembled::with_conditions(x, r, dem.box_(), &in_pores, conditions, terms)
+        .and_then(|assembled| assembled.analyze(fluid.solver, None)?.factor())
         .map_err(|e| CouplingError::from(e).with_numbers(&particles.id))?;
     context.coupled.book_build(flow.build_times());
     context.coupled.time(Phase::Solve, || flow.solve_static())?;

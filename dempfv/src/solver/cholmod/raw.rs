@@ -7,6 +7,7 @@ use std::ptr;
 use cholmod_sys as sys;
 
 use super::super::SymmetricCsc;
+use crate::calls;
 
 #[cfg(feature = "cuda")]
 mod gpu;
@@ -68,6 +69,7 @@ impl Raw {
     /// If the ordering has not one entry per unknown. That it is a permutation,
     /// CHOLMOD finds out.
     pub(super) fn analyze(a: &SymmetricCsc, ordering: Option<&[i64]>) -> Result<Raw, Fault> {
+        calls::count(&calls::ANALYSES);
         // SAFETY: cholmod_common is plain data, and cholmod_l_start sets it up
         // before anything reads it.
         let mut common = Box::new(unsafe { std::mem::zeroed::<sys::cholmod_common>() });
@@ -104,6 +106,7 @@ impl Raw {
 
     /// Factors a matrix of the pattern that was analyzed.
     pub(super) fn factorize(&mut self, a: &SymmetricCsc) -> Result<(), Fault> {
+        calls::count(&calls::FACTORIZATIONS);
         let mut view = sparse_view(a);
         // SAFETY: as in `analyze`; `l` is a factor of this common.
         sys::openmp::serially(|| unsafe {

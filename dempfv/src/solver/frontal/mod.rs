@@ -50,6 +50,7 @@ use super::{
     Analysis, Backend, Cost, Factor, Placement, Refinement, SolverError, Symbolic, SymmetricCsc,
     SystemSize, cholmod, cost, ordering, refine, require_size,
 };
+use crate::calls;
 use crate::parallel::{advise_huge_pages, max_norm};
 use m_matrix::MMatrix;
 use numeric::{Factorization, PackedFactor, Stopped};
@@ -122,6 +123,7 @@ impl FrontalSymbolic {
         if let Some(points) = coordinates {
             require_size("the list of coordinates", a.n, points.len())?;
         }
+        calls::count(&calls::ANALYSES);
         let (ordering, order) = match coordinates {
             Some(points) => {
                 let order = ordering::minimum_cuts(a, points);
@@ -208,6 +210,7 @@ impl FrontalFactor {
             return Err(SolverError::PatternChanged);
         }
         self.m_matrix.update(a)?;
+        calls::count(&calls::FACTORIZATIONS);
         if self.packed.words.is_empty() {
             self.packed = self.symbolic.allocate()?;
         }

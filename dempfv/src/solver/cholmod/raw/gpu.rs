@@ -12,6 +12,7 @@ use cholmod_sys::cuda::Pools;
 
 use super::super::super::SymmetricCsc;
 use super::{Fault, Raw, configure, sparse_view};
+use crate::calls;
 
 /// Buffers that CHOLMOD cuts its pools into, on the device and on the host.
 pub(in super::super) const DEVICE_BUFFERS: usize = 6;
@@ -211,6 +212,7 @@ impl Raw {
         gpu: &mut Lendable,
         threads: usize,
     ) -> (Result<(), Fault>, Calls) {
+        calls::count(&calls::FACTORIZATIONS);
         let mut view = sparse_view(a);
         sys::set_openmp_threads(&mut self.common, i32::try_from(threads).unwrap_or(i32::MAX));
         gpu.lend(&mut self.common);

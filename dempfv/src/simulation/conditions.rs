@@ -1,0 +1,50 @@
+//! Whether the fluid's conditions fit the pores that they are first meant for.
+
+use crate::pfv::PfvError;
+use crate::scene::Plan;
+use crate::{Aabb, Result, Vec3};
+
+/// Refuses regions that select no pore, or pores that something else holds already, in the network of
+/// spheres at these places (m): before a run has written anything. Where spheres move before the
+/// fluid comes, nobody knows its pores yet.
+///
+/// # Errors
+/// What contradicts what; why there is no network.
+pub fn check_conditions(
+    plan: &Plan,
+    position: &[Vec3],
+    radius: &[f64],
+    bounds: Aabb,
+) -> Result<()> {
+    let first = plan.stages.iter().find(|stage| stage.kind.moves() || stage.kind.has_conditions());
+    let meant_for = first.is_some_and(|stage| stage.kind.has_conditions());
+    let Some(fluid) = plan.fluid.as_ref().filter(|_| meant_for) else { return Ok(()) };
+    let effects = &fluid.effects;
+    let conditions = effects.conditions();
+    let rules = &conditions.conductances;
+    let regions = [effects.sources.len(), effects.imposed.len(), rules.regions.len()];
+    if regions.iter().sum::<usize>() + rules.blocked.len() == 0 {
+        return Ok(());
+    }
+    let checked = conditions.check(position, radius, bounds, &fluid.fluid, &effects.sources);
+    checked.map_err(|error| {
+        let PfvError::InvalidInput { argument, index: Some(k), problem } = &error else {
+            return error.into();
+        };
+        let Some(key) = key(argument) else { return error.into() };
+        let (problem, remedy) =
+            problem.split_once("; ").unwrap_or((problem, "choose other pores, or a larger region"));
+        plan.error(format!("`{key}` in [fluid], entry {}: {problem}", k + 1), remedy).into()
+    })
+}
+
+/// The key of a scene whose entries an argument has.
+fn key(argument: &str) -> Option<&'static str> {
+    match argument {
+        "imposed pressure" => Some("imposed"),
+        "sources" => Some("sources"),
+        "conductance regions" => Some("conductance_regions"),
+        "blocked pores" => Some("blocked"),
+        _ => None,
+    }
+}
