@@ -353,6 +353,11 @@ const OTHER_WAYS: &[(&str, &str)] = &[
         "[fluid]\n",
         "[bonds]\ntension = 1e5\ncohesion = 2e5\ninteraction_range = 1.1\nfrom = \"press\"\n[fluid]\n",
     ),
+    (
+        "rotation = false\n[fluid]\n",
+        "[fluid]\nviscous_shear = true\nnormal_lubrication = true\nshear_lubrication = true\n\
+         pump_torque = true\ntwist_torque = true\neps = 0.02\nlubrication_stiffness = 1.2e6\n",
+    ),
     ("remesh_interval = 77", "remesh_interval = \"auto\""),
     ("remesh_interval = 77\n", ""),
     ("solver = \"cholmod-gpu\"\ngpu_device = 1\ngpu_memory = 123456789", "solver = \"frontal\""),

@@ -40,7 +40,7 @@ impl State {
                 return Ok(Progress::Running);
             }
         }
-        Ok(Progress::Finished(Outcome::Flow(Box::new(outcome(context.coupled)))))
+        Ok(Progress::finished(Outcome::Flow(Box::new(outcome(context.coupled)))))
     }
 }
 
