@@ -14,8 +14,7 @@ const HEAD: &str = "\
 A scene simulates the effects that it names, and nothing else: what is off has no array, no branch in
 a loop, no library call. `dempfv check SCENE` lists what is on, what that makes necessary, and what is
 off. This page is written from what each effect's file says of itself. The cost is what a step takes
-more at 20,000 spheres than without the effect, on the scene and in the run of
-[effect-costs.md](effect-costs.md).
+more at 20,000 spheres than without the effect, where `make effect-costs` has measured it.
 ";
 
 const FAMILIES: [(Family, &str); 5] = [

@@ -65,8 +65,22 @@ contacts = true
 state = true
 "#;
 
-/// A run between walls with all kinds of stages, whose networks follow the spheres, one that goes on
-/// from a checkpoint with another scene, and one in a periodic cell: every key of their summaries is
+const FLOW: &str = r#"
+[box]
+min = [0, 0, 0]
+max = [1, 1, 1]
+[particles]
+cloud = { count = 60, radius = 0.05 }
+[fluid]
+viscosity = 1e-3
+pressure = { y_max = 0.0 }
+imposed = [{ pressure = 1.0, points = [[0.5, 0.1, 0.5]] }]
+[[stage]]
+kind = "flow"
+"#;
+
+/// A run between walls with the kinds of stages that move spheres, whose networks follow these, one that
+/// goes on from a checkpoint with another scene, one in a periodic cell, and one that only flows: every key of their summaries is
 /// described, and every key that is described is there, but for what only a GPU has. So it is with the
 /// arrays of their snapshots.
 #[test]
@@ -84,7 +98,9 @@ fn results_have_what_is_described() {
     folder.done(&["run", "other.toml", "--restart", "walls/checkpoint.dempfv", "--out", "other"]);
     folder.done(&["run", "cell.toml", "--out", "cell"]);
     let mut found = BTreeSet::new();
-    for run in ["walls", "other", "cell"] {
+    folder.write("flow.toml", FLOW);
+    folder.done(&["run", "flow.toml", "--out", "flow"]);
+    for run in ["walls", "other", "cell", "flow"] {
         paths(&folder.json(&format!("{run}/summary.json")), "", &mut found);
     }
     let known: Vec<&str> = summary::keys().map(|key| key.name).collect();

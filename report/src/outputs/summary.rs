@@ -8,7 +8,7 @@ pub fn keys() -> impl Iterator<Item = &'static Entry> {
     RUN.iter().chain(&REMESH).chain(&ENERGY).chain(stages::KEYS)
 }
 
-static RUN: [Entry; 65] = [
+static RUN: [Entry; 69] = [
     entry("title", "", "The scene's title."),
     entry("finished", "", "Whether all stages are done."),
     entry("interrupted", "", "Whether a signal ended the run."),
@@ -60,6 +60,10 @@ static RUN: [Entry; 65] = [
     entry("ms_per_step", "ms", "The same over its steps; null where there were none."),
     entry("phases_ms.*", "ms", "What of it each phase took."),
     entry("remeshes", "1", "Networks that came into use since the simulation began."),
+    entry("calls.triangulations", "1", "Triangulations that this session called for."),
+    entry("calls.analyses", "1", "Orderings and symbolic analyses, likewise."),
+    entry("calls.factorizations", "1", "Factorizations, likewise."),
+    entry("calls.neighbour_lists", "1", "Neighbour lists of the contacts, likewise."),
     entry("largest_residual", "1", "Largest residual of a first solve after a factorization."),
     entry("largest_imbalance", "1", "Largest imbalance of fluid mass of any step, over the flow."),
     entry("peak_memory_bytes", "byte", "The most memory that the process had."),
