@@ -17,8 +17,10 @@ pub fn check_conditions(
     bounds: Aabb,
 ) -> Result<()> {
     let first = plan.stages.iter().find(|stage| stage.kind.moves() || stage.kind.has_conditions());
-    let meant_for = first.is_some_and(|stage| stage.kind.has_conditions());
-    let Some(fluid) = plan.fluid.as_ref().filter(|_| meant_for) else { return Ok(()) };
+    let meant_for = first.filter(|stage| stage.kind.has_conditions());
+    let Some((fluid, stage)) = plan.fluid.as_ref().zip(meant_for) else { return Ok(()) };
+    // Under the stage's own pressures, if it has some.
+    let fluid = stage.kind.fluid(fluid, 0.0);
     let effects = &fluid.effects;
     let conditions = effects.conditions();
     let rules = &conditions.conductances;
