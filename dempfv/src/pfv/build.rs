@@ -349,7 +349,7 @@ impl Flow {
     /// let drag: Vec3 = flow.force().iter().sum();
     /// assert!((drag - Vec3::new(64.0, 0.0, 0.0)).norm() < 1e-10);
     /// assert!(flow.mean_velocity().is_some_and(|velocity| velocity.x > 0.0));
-    /// # Ok::<(), dempfv::Error>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors

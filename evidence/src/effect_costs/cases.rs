@@ -2,6 +2,11 @@
 
 use std::path::Path;
 
+use dempfv::Vec3;
+
+/// In the place of a value: the size of the packing's box.
+const BOX: &str = "box";
+
 /// A scene, and what it prices.
 pub struct Case {
     pub name: &'static str,
@@ -69,7 +74,7 @@ pub const CASES: &[Case] = &[
         name: "periodic cell",
         over: Some("friction and rotation"),
         effects: &["periodic cell"],
-        changes: &[("cell", "", ""), ("stage", "walls", "")],
+        changes: &[("cell", "size", BOX), ("stage", "walls", "")],
     },
     Case {
         name: "Hertz-Mindlin contacts",
@@ -120,7 +125,7 @@ pub const CASES: &[Case] = &[
         name: "bonds",
         over: Some("friction and rotation"),
         effects: &["brittle bonds"],
-        changes: &[("bonds", "tension", "1.0e6"), ("bonds", "cohesion", "1.0e6")],
+        changes: &[("bonds", "tension", "1.0e5"), ("bonds", "cohesion", "1.0e5")],
     },
     Case {
         name: "pore flow",
@@ -194,10 +199,11 @@ impl Case {
         CASES.iter().find(|case| case.name == name)
     }
 
-    /// The scene with this packing and so many steps.
-    pub fn scene(&self, packing: &Path, steps: u64) -> String {
+    /// The scene with this packing in a box of this size (m), and so many steps.
+    pub fn scene(&self, packing: &Path, size: &Vec3, steps: u64) -> String {
         let mut tables: Vec<(&str, Vec<(&str, &str)>)> = vec![];
         let (packing, steps) = (format!("{packing:?}"), steps.to_string());
+        let size = format!("[{:?}, {:?}, {:?}]", size.x, size.y, size.z);
         let given = [
             ("particles", "packing", packing.as_str()),
             ("stage", "kind", "\"run\""),
@@ -212,7 +218,7 @@ impl Case {
             let keys = &mut tables[at].1;
             keys.retain(|(there, _)| *there != key);
             if !value.is_empty() {
-                keys.push((key, value));
+                keys.push((key, if value == BOX { &size } else { value }));
             }
         }
         let table = |(name, keys): (&str, Vec<(&str, &str)>)| {
@@ -245,7 +251,7 @@ mod tests {
         for (i, case) in CASES.iter().enumerate() {
             let before = |name: &&str| CASES[..i].iter().any(|case| case.name == *name);
             assert!(case.over.is_none_or(|over| before(&over)), "{}", case.name);
-            let plan = Plan::from_toml(&case.scene(&packing, 10), None)
+            let plan = Plan::from_toml(&case.scene(&packing, &Vec3::repeat(0.01), 10), None)
                 .unwrap_or_else(|e| panic!("{}: {e}", case.name));
             let on = plan.effects();
             for effect in case.effects {

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use dempfv::InputError;
 use dempfv::io::atomic;
+use dempfv::io::packing::Packing;
 use dempfv::scene::Plan;
 use dempfv::simulation::Simulation;
 use dempfv_report::format::three_digits;
@@ -93,9 +94,13 @@ pub fn run(args: &Args) -> Result<Report, Error> {
 
 fn measure(packing: &Path, turns: u64) -> Result<Vec<Cost>, Error> {
     let mut progress = Progress::new();
+    let box_ = Packing::read(packing).map_err(dempfv::Error::from)?.bounds.ok_or_else(|| {
+        let what = format!("{}: no line `# box`", packing.display());
+        InputError::new(what, "give the box that the spheres are in")
+    })?;
     let mut runs = vec![];
     for case in CASES {
-        let scene = case.scene(packing, (turns + 1) * STEPS);
+        let scene = case.scene(packing, &box_.size(), (turns + 1) * STEPS);
         runs.push(Simulation::new(Plan::from_toml(&scene, None)?)?);
     }
     let mut times = vec![Sample::default(); CASES.len()];
