@@ -1,10 +1,11 @@
-//! Whether the fluid's conditions fit the pores that they are first meant for.
+//! Whether a packing has the spheres that motions name, and the fluid's conditions fit the pores that
+//! they are first meant for.
 
 use crate::pfv::PfvError;
 use crate::scene::Plan;
 use crate::{Aabb, Result, Vec3};
 
-/// Refuses regions that select no pore, or pores that something else holds already, in the network of
+/// Refuses motions of spheres that are not there. Refuses regions that select no pore, or pores that something else holds already, in the network of
 /// spheres at these places (m): before a run has written anything. Where spheres move before the
 /// fluid comes, nobody knows its pores yet.
 ///
@@ -16,6 +17,7 @@ pub fn check_conditions(
     radius: &[f64],
     bounds: Aabb,
 ) -> Result<()> {
+    check_motions(plan, position.len())?;
     let first = plan.stages.iter().find(|stage| stage.kind.moves() || stage.kind.has_conditions());
     let meant_for = first.filter(|stage| stage.kind.has_conditions());
     let Some((fluid, stage)) = plan.fluid.as_ref().zip(meant_for) else { return Ok(()) };
@@ -38,6 +40,19 @@ pub fn check_conditions(
             problem.split_once("; ").unwrap_or((problem, "choose other pores, or a larger region"));
         plan.error(format!("`{key}` in [fluid], entry {}: {problem}", k + 1), remedy).into()
     })
+}
+
+/// No stage changes how many spheres there are.
+fn check_motions(plan: &Plan, spheres: usize) -> Result<()> {
+    for (place, given) in plan.motions.iter().enumerate() {
+        let mut numbers = given.which.numbers.iter().flatten();
+        if let Some(number) = numbers.find(|number| **number as usize >= spheres) {
+            let what = format!("`numbers` in [[motion]] {} have {number}", place + 1);
+            let remedy = format!("there are {spheres} spheres, and their numbers begin at 0");
+            return Err(plan.error(what, remedy).into());
+        }
+    }
+    Ok(())
 }
 
 /// The key of a scene whose entries an argument has.
