@@ -2,7 +2,7 @@
 
 use super::coupled::Coupled;
 use super::error::Result;
-use crate::dem::{CellControls, Dem, Material, MaterialPair, Motion, WallControl};
+use crate::dem::{BodyForce, CellControls, Dem, Material, MaterialPair, Motion, WallControl};
 use crate::{Vec3, WallId};
 
 /// The mechanics, as far as they may be changed between two steps while a
@@ -132,6 +132,17 @@ impl Controls<'_> {
     /// [`Dem::add_torque`].
     pub fn add_torque(&mut self, number: usize, torque: Vec3) {
         self.coupled.dem.add_torque(number, torque);
+    }
+
+    /// Lets a force of the caller's own act on the spheres from the next step on: see
+    /// [`Dem::add_body_force`].
+    pub fn add_body_force(&mut self, body_force: Box<dyn BodyForce>) {
+        self.coupled.dem.add_body_force(body_force);
+    }
+
+    /// Ends all body forces, and gives them back.
+    pub fn take_body_forces(&mut self) -> Vec<Box<dyn BodyForce>> {
+        self.coupled.dem.take_body_forces()
     }
 
     /// Begins to track energy by cause, or ends it; see [`Dem::track_energy`].

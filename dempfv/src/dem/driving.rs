@@ -1,5 +1,6 @@
-//! Spheres are given a motion, and let go.
+//! What drives spheres: motions that are given to them, and forces of a user's own.
 
+use super::body_force::BodyForce;
 use super::error::DemError;
 use super::held::Held;
 use super::integrate::{FluidLoads, Loads, Step, first_not_finite};
@@ -94,5 +95,31 @@ impl Dem {
         change(&mut self.held);
         let Held { motions, clumps, .. } = std::mem::take(&mut self.held);
         self.held = Held::new(motions, clumps.into_bodies(), &self.place);
+    }
+
+    /// Lets a force of the caller's own act on the spheres from the next step on, beside those that do
+    /// so already. It is no part of [`Dem::state`]: give it to a `Dem` again that goes on from one, and
+    /// say what the time is ([`Dem::set_time`]) where the force depends on it.
+    pub fn add_body_force(&mut self, body_force: Box<dyn BodyForce>) {
+        self.body_forces.each.push(body_force);
+    }
+
+    /// Ends all body forces, and gives them back.
+    pub fn take_body_forces(&mut self) -> Vec<Box<dyn BodyForce>> {
+        std::mem::take(&mut self.body_forces.each)
+    }
+
+    /// Adds what body forces do in a step of `dt` (s).
+    pub(super) fn act_body_forces(&mut self, dt: f64) -> Result<(), DemError> {
+        if self.body_forces.is_empty() {
+            return Ok(());
+        }
+        let time = self.held.motions.time;
+        self.body_forces.act(&self.particles, time, &mut self.external)?;
+        if self.held.mask().is_empty() {
+            // Nothing else counts the time then.
+            self.held.motions.time += dt;
+        }
+        Ok(())
     }
 }

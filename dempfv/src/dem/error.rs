@@ -18,6 +18,14 @@ pub enum DemError {
         /// What is not finite.
         quantity: &'static str,
     },
+    /// A force of a user's own is not finite.
+    #[error("particle {particle}: the force or torque of `{name}` is not finite")]
+    BodyForce {
+        /// The force's name.
+        name: String,
+        /// The user's number of the particle.
+        particle: u32,
+    },
     /// A parameter has a value that makes no sense.
     #[error("{name} = {}; it must be {expected}", Brief(*value))]
     Parameter {

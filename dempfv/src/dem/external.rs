@@ -19,6 +19,15 @@ pub(super) struct ExternalLoads {
 impl ExternalLoads {
     /// Adds to the force (N) and the torque (N m) on the sphere `k` of `n`.
     pub fn add(&mut self, k: usize, n: usize, force: Vec3, torque: Vec3) {
+        let (forces, torques) = self.all(n);
+        forces[k] += force;
+        torques[k] += torque;
+        self.turn(torque != Vec3::zeros());
+    }
+
+    /// Forces and torques on all of `n` spheres, to be added to; say with [`ExternalLoads::turn`]
+    /// whether a torque is.
+    pub fn all(&mut self, n: usize) -> (&mut [Vec3], &mut [Vec3]) {
         if !self.added {
             for list in [&mut self.force, &mut self.torque] {
                 list.clear();
@@ -26,9 +35,12 @@ impl ExternalLoads {
             }
             (self.added, self.turns) = (true, false);
         }
-        self.force[k] += force;
-        self.torque[k] += torque;
-        self.turns |= torque != Vec3::zeros();
+        (&mut self.force, &mut self.torque)
+    }
+
+    /// Says whether a torque has been added.
+    pub fn turn(&mut self, turns: bool) {
+        self.turns |= turns;
     }
 
     /// What has been added, if anything.

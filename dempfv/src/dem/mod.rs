@@ -32,6 +32,8 @@
 //! number of particles accumulate their own contacts in a fixed order and the
 //! forces across blocks are gathered per particle in a fixed order.
 
+mod assemble;
+mod body_force;
 mod bonding;
 mod by_number;
 mod cell;
@@ -91,6 +93,7 @@ pub(crate) use integrate::FluidLoads;
 pub(crate) use ledger::FilmLosses;
 pub(crate) use stiffness_sum::StiffnessSum;
 
+pub use body_force::{BodyForce, BodyLoad, SphereState};
 pub use cell::{CellControl, CellControls, PeriodicCell};
 pub use cloud::{CloudScale, CloudSpec, SizeDistribution, random_cloud, random_cloud_in_cell};
 pub use clump::Clump;

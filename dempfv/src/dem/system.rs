@@ -2,29 +2,28 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::body_force::BodyForces;
 use super::cell::PeriodicCell;
 use super::cell_pass::{CellPass, CellSum};
-use super::compiled::{CompiledLaw, compile};
+use super::compiled::CompiledLaw;
 use super::damping::LocalDamping;
 use super::error::{DemError, require_length};
 use super::external::ExternalLoads;
 use super::held::Held;
 use super::integrate::{FluidLoads, Loads, Step, advance};
-use super::law::{ContactLaw, Linear, Losses, Needs};
+use super::law::Needs;
 use super::ledger::{Ledger, MotionWork};
 use super::material::{Material, MaterialPair, WallMaterial, finite, positive};
-use super::motion::Motions;
-use super::neighbours::{Neighbours, check_inside};
+use super::neighbours::Neighbours;
 use super::particles::Particles;
 use super::pass::Forces;
 use super::pass_input::Input;
 use super::servo::WallResistance;
-use super::state::{ContactHistory, DemState};
+use super::state::DemState;
 use super::stiffness_pass::StiffnessScratch;
 use super::wall_pairs::WallSum;
-use super::walls::{Wall, WallControl, box_of, check_box, walls_of};
+use super::walls::{Wall, WallControl, box_of};
 use crate::calls;
-use crate::parallel::block_count;
 use crate::{Aabb, PerWall, Vec3, WallId};
 
 /// What is simulated beside contacts, and how.
@@ -83,6 +82,7 @@ pub struct Dem {
     pub(super) smallest_radius: f64,
     pub(super) softest: Material,
     pub(super) external: ExternalLoads,
+    pub(super) body_forces: BodyForces,
     /// Clumps and prescribed motions.
     pub(super) held: Held,
     /// See [`Dem::track_energy`].
@@ -94,211 +94,6 @@ pub struct Dem {
 }
 
 impl Dem {
-    /// Spheres at the positions given, between fixed walls around `box_`, with
-    /// the [`Linear`] contact law.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, a centre beyond a wall, two spheres
-    /// with one centre, numbers that are not finite: see [`DemError`].
-    pub fn new(
-        particles: Particles,
-        box_: Aabb,
-        material: Material,
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        Dem::with_law(Linear, particles, box_, &[material], wall_material, options)
-    }
-
-    /// The same with a contact law of the caller's choice, compiled for it, and
-    /// spheres of one material or several: see [`Particles::material`].
-    ///
-    /// # Errors
-    /// As [`Dem::new`]; [`DemError::NoSuchMaterial`],
-    /// [`DemError::NumberOfMaterials`].
-    pub fn with_law(
-        law: impl ContactLaw,
-        particles: Particles,
-        box_: Aabb,
-        materials: &[Material],
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        Dem::at_rest(law, particles, (box_, None), materials, wall_material, options)
-    }
-
-    /// Spheres that have no contacts yet.
-    pub(super) fn at_rest(
-        law: impl ContactLaw,
-        particles: Particles,
-        (box_, cell): (Aabb, Option<PeriodicCell>),
-        materials: &[Material],
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        let state = Dem::state_at_rest(law.name(), particles, (box_, cell))?;
-        Dem::with_law_from_state(law, state, materials, wall_material, options)
-    }
-
-    /// As [`Dem::new`], for spheres that stand still: they are listed with their neighbours when
-    /// their contacts are looked at for the first time, and no sooner. That two of them have one
-    /// place is found then.
-    ///
-    /// # Errors
-    /// As [`Dem::new`], but for [`DemError::Coincident`].
-    pub fn standing(
-        particles: Particles,
-        box_: Aabb,
-        materials: &[Material],
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        let state = Dem::state_at_rest(Linear.name(), particles, (box_, None))?;
-        check_materials(materials, &wall_material)?;
-        let law = compile(Linear, materials, &wall_material);
-        let dem = Dem::unlisted(law, state, materials.to_vec(), wall_material, options)?;
-        check_inside(&dem.particles, &dem.walls)?;
-        Ok(dem)
-    }
-
-    fn state_at_rest(
-        law: &str,
-        particles: Particles,
-        (box_, cell): (Aabb, Option<PeriodicCell>),
-    ) -> Result<DemState, DemError> {
-        check_box(&box_)?;
-        particles.check()?;
-        let mut state = DemState {
-            law: law.to_owned(),
-            particles,
-            walls: walls_of(&box_),
-            cell,
-            sphere_history: ContactHistory::default(),
-            wall_history: ContactHistory::default(),
-            pending_dt: 0.0,
-            bonds: 0,
-            clumps: vec![],
-            motions: Motions::default(),
-            ledger: None,
-        };
-        // Nothing to reverse: there are no contacts yet.
-        state.sort_spatially(0, |_| ());
-        Ok(state)
-    }
-
-    /// Goes on from a state that [`Dem::state`] gave, with the same bits as
-    /// if it had not stopped.
-    ///
-    /// # Errors
-    /// As [`Dem::new`]; [`DemError::Law`] for the state of another law than
-    /// [`Linear`].
-    pub fn from_state(
-        state: DemState,
-        material: Material,
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        Dem::with_law_from_state(Linear, state, &[material], wall_material, options)
-    }
-
-    /// The same with the contact law and the number of materials that the
-    /// state was made with.
-    ///
-    /// # Errors
-    /// As [`Dem::from_state`] and [`Dem::with_law`].
-    pub fn with_law_from_state(
-        law: impl ContactLaw,
-        state: DemState,
-        materials: &[Material],
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        if state.law != law.name() {
-            return Err(DemError::Law { found: state.law, expected: law.name() });
-        }
-        check_materials(materials, &wall_material)?;
-        let law = compile(law, materials, &wall_material);
-        Dem::assemble(law, state, materials.to_vec(), wall_material, options)
-    }
-
-    fn assemble(
-        law: Box<dyn CompiledLaw>,
-        state: DemState,
-        materials: Vec<Material>,
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        let mut dem = Dem::unlisted(law, state, materials, wall_material, options)?;
-        dem.rebuild()?;
-        Ok(dem)
-    }
-
-    /// All but the neighbour list.
-    fn unlisted(
-        law: Box<dyn CompiledLaw>,
-        state: DemState,
-        materials: Vec<Material>,
-        wall_material: WallMaterial,
-        options: DemOptions,
-    ) -> Result<Dem, DemError> {
-        options.check()?;
-        state.check()?;
-        state.particles.check_materials(materials.len())?;
-        if state.cell.is_some() && options.gravity.is_some_and(|g| g != Vec3::zeros()) {
-            let remedy = "nothing holds the spheres up; leave it out";
-            return Err(DemError::InCell { what: "gravity", remedy });
-        }
-        let mut list = Neighbours::new(law.history_length());
-        list.load(&state)?;
-        let DemState { particles, walls, cell, pending_dt, bonds, clumps, motions, ledger, .. } =
-            state;
-        let centre = particles
-            .position
-            .iter()
-            .zip(&particles.radius)
-            .map(|(x, &r)| [x.x, x.y, x.z, r])
-            .collect();
-        let mut place = vec![0; particles.len()];
-        for (k, &number) in (0u32..).zip(&particles.id) {
-            place[number as usize] = k;
-        }
-        let mut dem = Dem {
-            law,
-            held: Held::new(motions, clumps, &place),
-            place,
-            forces: Forces::default(),
-            wall_sums: PerWall::default(),
-            cell_sum: CellSum::default(),
-            wall_resistance: PerWall::default(),
-            smallest_radius: 0.0,
-            softest: materials[0],
-            external: ExternalLoads::default(),
-            ledger,
-            motion_work: vec![],
-            stiffness: StiffnessScratch::default(),
-            particles,
-            walls,
-            cell,
-            room_to_stray: 0.0,
-            options,
-            materials,
-            pairs: vec![],
-            wall_material,
-            pending_dt,
-            bonds,
-            list,
-            centre,
-        };
-        dem.forces.force.resize(dem.particles.len(), Vec3::zeros());
-        dem.forces.torque.resize(dem.particles.len(), Vec3::zeros());
-        if ledger.is_some() {
-            dem.forces.losses = vec![Losses::default(); block_count(dem.particles.len())];
-            dem.motion_work = vec![MotionWork::default(); dem.particles.len()];
-        }
-        dem.keep_in_cell(0.0);
-        Ok(dem)
-    }
-
     /// What a checkpoint holds.
     pub fn state(&self) -> DemState {
         DemState {
@@ -329,8 +124,9 @@ impl Dem {
         state.sort_spatially(law.history_length(), |history| law.reverse(history));
         let materials = std::mem::take(&mut self.materials);
         let pairs = std::mem::take(&mut self.pairs);
+        let body_forces = std::mem::take(&mut self.body_forces);
         *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
-        self.pairs = pairs;
+        (self.pairs, self.body_forces) = (pairs, body_forces);
         Ok(())
     }
 
@@ -396,14 +192,15 @@ impl Dem {
     }
 
     /// Moves walls and spheres by one time step `dt` (s) under the contact
-    /// forces of the last [`Dem::compute_contacts`], gravity, what
+    /// forces of the last [`Dem::compute_contacts`], gravity, body forces, what
     /// [`Dem::add_force`] and [`Dem::add_torque`] have added since the last
     /// step, and, where given, the fluid's force on each sphere, in storage
     /// order, and each wall (N).
     ///
     /// # Errors
     /// [`DemError::NotFinite`] names a particle whose force or motion is not
-    /// finite; the state is then spoilt. [`DemError::WallsMet`],
+    /// finite; the state is then spoilt. [`DemError::BodyForce`], before anything
+    /// moves. [`DemError::WallsMet`],
     /// [`DemError::Parameter`] for a time step that is not positive or a fluid
     /// force on a wall that is not finite, [`DemError::Length`] for a fluid
     /// force of another length.
@@ -431,6 +228,7 @@ impl Dem {
         let on_walls = fluid.on_walls.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         let wall_velocity = self.walls.map(|wall| wall.velocity);
+        self.act_body_forces(dt)?;
         self.move_cell(dt, fluid.on_walls)?;
         let turned =
             self.law.needs() == Needs::Torques || self.external.turns() || fluid.torque.is_some();
@@ -592,13 +390,4 @@ impl std::fmt::Debug for Dem {
             .field("options", &self.options)
             .finish_non_exhaustive()
     }
-}
-
-/// Refuses no material, too many, and what none can be.
-fn check_materials(materials: &[Material], walls: &WallMaterial) -> Result<(), DemError> {
-    if materials.is_empty() || materials.len() > usize::from(u16::MAX) {
-        return Err(DemError::NumberOfMaterials { found: materials.len() });
-    }
-    materials.iter().try_for_each(Material::check)?;
-    walls.check()
 }

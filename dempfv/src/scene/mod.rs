@@ -28,6 +28,7 @@ mod plan;
 mod read;
 mod region;
 mod schema;
+mod simulated;
 mod sizes;
 mod stage;
 mod syntax;

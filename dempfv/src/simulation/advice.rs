@@ -6,7 +6,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::estimate::{Estimate, Specimen};
+use super::estimate::Estimate;
+use super::specimen::Specimen;
 use crate::dem::WallControl;
 use crate::domain::{Aabb, Axis, WallId};
 use crate::scene::{NormalLaw, Plan, Run, Stage, StageKind, TimeStep, Until};

@@ -27,9 +27,11 @@ mod fingerprint;
 mod grading;
 pub mod history;
 mod outcome;
+mod phase_costs;
 mod restart;
 mod run;
 mod setup;
+mod specimen;
 mod stability;
 mod stages;
 mod warning;
@@ -37,7 +39,7 @@ mod warning;
 pub use crate::stage_error::StageError;
 pub use advice::{Advice, Verdict};
 pub use conditions::check_conditions;
-pub use estimate::{Estimate, Specimen, UnstableStage};
+pub use estimate::{Estimate, UnstableStage};
 pub use grading::{Grading, GradingClass};
 pub use outcome::{
     CellState, Compaction, Consolidation, ConsolidationSample, FlowTest, LoadCycles, Outcome,
@@ -46,5 +48,6 @@ pub use outcome::{
 pub use restart::{Change, Effect, Restart};
 pub use run::{Simulation, SimulationState};
 pub use setup::initial_packing;
+pub use specimen::Specimen;
 pub use stability::Stability;
 pub use warning::{BondsUnderLoad, LateLoad, ServoMissed, Warning};

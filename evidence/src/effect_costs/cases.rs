@@ -71,10 +71,39 @@ pub const CASES: &[Case] = &[
         changes: &[("stage", "walls", "{ y_max = { stress = 1.0e3 } }")],
     },
     Case {
+        name: "wall friction",
+        over: Some("friction and rotation"),
+        effects: &["wall friction"],
+        changes: &[("walls", "friction_angle", "20.0")],
+    },
+    Case {
+        name: "several materials",
+        over: Some("friction and rotation"),
+        effects: &["several materials"],
+        changes: &[
+            ("material", "name", "\"half\""),
+            ("material", "min", "[0.0, 0.0, 0.0]"),
+            ("material", "max", "[1.0, 0.03, 1.0]"),
+            ("material", "young", "2.0e6"),
+        ],
+    },
+    Case {
+        name: "prescribed motion",
+        over: Some("friction and rotation"),
+        effects: &["prescribed motion"],
+        changes: &[("motion", "min", "[0.0, 0.0, 0.0]"), ("motion", "max", "[1.0, 0.003, 1.0]")],
+    },
+    Case {
         name: "periodic cell",
         over: Some("friction and rotation"),
         effects: &["periodic cell"],
         changes: &[("cell", "size", BOX), ("stage", "walls", "")],
+    },
+    Case {
+        name: "servo cell",
+        over: Some("periodic cell"),
+        effects: &["servo cell"],
+        changes: &[("stage", "cell_stress", "{ yy = 1.0e3 }")],
     },
     Case {
         name: "Hertz-Mindlin contacts",
@@ -162,6 +191,85 @@ pub const CASES: &[Case] = &[
         changes: &[("fluid", "update", "\"every step\"")],
     },
     Case {
+        name: "parallel tasks",
+        over: Some("pore flow"),
+        effects: &["parallel tasks"],
+        changes: &[("fluid", "parallel_tasks", "true")],
+    },
+    Case {
+        name: "one-way coupling",
+        over: Some("pore flow"),
+        effects: &["one-way coupling"],
+        changes: &[("fluid", "coupling", "\"one-way\"")],
+    },
+    Case {
+        name: "conditions in time",
+        over: Some("pore flow"),
+        effects: &["conditions in time"],
+        changes: &[(
+            "fluid",
+            "pressure",
+            "{ y_max = { mean = 0.0, amplitude = 1.0, frequency = 1000.0 } }",
+        )],
+    },
+    Case {
+        name: "pressure profiles",
+        over: Some("pore flow"),
+        effects: &["pressure profiles"],
+        changes: &[(
+            "fluid",
+            "pressure",
+            "{ y_max = { along = \"x\", points = [[0.0, 0.0], [0.05, 1.0]] } }",
+        )],
+    },
+    Case {
+        name: "fluid sources",
+        over: Some("pore flow"),
+        effects: &["fluid sources"],
+        changes: &[("fluid", "sources", "[{ points = [[0.01, 0.01, 0.01]], rate = 1.0e-9 }]")],
+    },
+    Case {
+        name: "pressures of regions",
+        over: Some("pore flow"),
+        effects: &["pressures of regions"],
+        changes: &[("fluid", "imposed", "[{ points = [[0.01, 0.01, 0.01]], pressure = 1.0 }]")],
+    },
+    Case {
+        name: "blocked pores",
+        over: Some("pore flow"),
+        effects: &["blocked pores"],
+        changes: &[("fluid", "blocked", "[{ points = [[0.01, 0.01, 0.01]] }]")],
+    },
+    Case {
+        name: "conductance factors",
+        over: Some("pore flow"),
+        effects: &["conductance factors"],
+        changes: &[("fluid", "conductance_factor", "2.0")],
+    },
+    Case {
+        name: "conductance clamp",
+        over: Some("pore flow"),
+        effects: &["conductance clamp"],
+        changes: &[("fluid", "clamp", "\"relative\"")],
+    },
+    Case {
+        name: "Darcy conductances",
+        over: Some("pore flow"),
+        effects: &["Darcy conductances"],
+        changes: &[("fluid", "darcy_permeability", "1.0e-9")],
+    },
+    Case {
+        name: "pressure gradient",
+        over: Some("pore flow"),
+        effects: &["pressure gradient"],
+        changes: &[
+            ("cell", "size", BOX),
+            ("stage", "walls", ""),
+            ("fluid", "pressure", ""),
+            ("fluid", "pressure_gradient", "[0.0, 0.0, 10.0]"),
+        ],
+    },
+    Case {
         name: "viscous shear",
         over: Some("pore flow"),
         effects: &["viscous shear"],
@@ -199,6 +307,11 @@ impl Case {
         CASES.iter().find(|case| case.name == name)
     }
 
+    /// Whether it has a fluid.
+    pub fn is_wet(&self) -> bool {
+        self.all_changes().iter().any(|(table, ..)| *table == "fluid")
+    }
+
     /// The scene with this packing in a box of this size (m), and so many steps.
     pub fn scene(&self, packing: &Path, size: &Vec3, steps: u64) -> String {
         let mut tables: Vec<(&str, Vec<(&str, &str)>)> = vec![];
@@ -222,7 +335,8 @@ impl Case {
             }
         }
         let table = |(name, keys): (&str, Vec<(&str, &str)>)| {
-            let head = if name == "stage" { "[[stage]]".to_owned() } else { format!("[{name}]") };
+            let listed = ["stage", "material", "motion"].contains(&name);
+            let head = if listed { format!("[[{name}]]") } else { format!("[{name}]") };
             let keys = keys.into_iter().map(|(key, value)| format!("{key} = {value}\n"));
             format!("{head}\n{}", keys.collect::<String>())
         };
