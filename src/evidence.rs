@@ -39,6 +39,8 @@ mod without {
         EveryStep(Anything),
         #[command(hide = true)]
         EffectCosts(Anything),
+        #[command(hide = true)]
+        Accuracy(Anything),
     }
 
     #[derive(clap::Args)]
@@ -71,6 +73,7 @@ mod without {
             Command::Paper(_) => "paper",
             Command::EveryStep(_) => "every-step",
             Command::EffectCosts(_) => "effect-costs",
+            Command::Accuracy(_) => "accuracy",
         };
         Err(Error(name).into())
     }

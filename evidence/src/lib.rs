@@ -7,6 +7,7 @@
 //! beside its own.
 #![warn(missing_docs)]
 
+mod accuracy;
 mod bench;
 mod compare;
 mod effect_costs;
@@ -31,6 +32,8 @@ pub enum Command {
     EveryStep(every_step::Args),
     /// What each effect adds to the time of a step
     EffectCosts(effect_costs::Args),
+    /// What accuracy costs in time: a scene's settings against a reference
+    Accuracy(accuracy::Args),
 }
 
 /// How a measurement came out: for people by [`Display`](fmt::Display), for programs by
@@ -46,6 +49,7 @@ enum Kind {
     Paper(paper::Report),
     EveryStep(every_step::Report),
     EffectCosts(effect_costs::Report),
+    Accuracy(accuracy::Report),
 }
 
 /// Measures what is asked for, with so many threads where the measurement does not choose
@@ -59,6 +63,7 @@ pub fn run(command: &Command, threads: usize) -> Result<Report> {
         Command::Paper(args) => Kind::Paper(paper::run(args, threads)?),
         Command::EveryStep(args) => Kind::EveryStep(every_step::run(args)?),
         Command::EffectCosts(args) => Kind::EffectCosts(effect_costs::run(args)?),
+        Command::Accuracy(args) => Kind::Accuracy(accuracy::run(args)?),
     }))
 }
 
@@ -70,7 +75,9 @@ impl Report {
     pub fn judge(&self) -> Result<()> {
         match &self.0 {
             Kind::Compare(report) => report.judge(),
-            Kind::Paper(_) | Kind::EveryStep(_) | Kind::EffectCosts(_) => Ok(()),
+            Kind::Paper(_) | Kind::EveryStep(_) | Kind::EffectCosts(_) | Kind::Accuracy(_) => {
+                Ok(())
+            }
         }
     }
 }
@@ -82,6 +89,7 @@ impl fmt::Display for Report {
             Kind::Paper(report) => report.fmt(f),
             Kind::EveryStep(report) => report.fmt(f),
             Kind::EffectCosts(report) => report.fmt(f),
+            Kind::Accuracy(report) => report.fmt(f),
         }
     }
 }

@@ -25,6 +25,11 @@ pub use picture::Picture;
 pub use section::{Section, section};
 
 impl Picture {
+    /// The drawing as SVG, to stand in a page.
+    pub fn to_svg(&self) -> String {
+        svg::render(self)
+    }
+
     /// Writes `NAME.svg` and `NAME.png` into a folder.
     ///
     /// # Errors

@@ -1,0 +1,78 @@
+//! How far one run is from another.
+
+use serde::{Deserialize, Serialize};
+
+use super::course::{Course, Seen};
+
+/// Errors of a run (1), each relative: the root of the sum of squares, over all looks and all that is
+/// seen in each, of the difference to another run, over that of the other run itself. `None` where
+/// nothing is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Of the pressures at the spheres.
+    pub pressure: Option<f64>,
+    /// Of the displacements of the walls since the window began.
+    pub displacement: Option<f64>,
+    /// Of what has left through the walls.
+    pub drained: Option<f64>,
+    /// Of the stresses on the walls.
+    pub stress: Option<f64>,
+}
+
+/// The quantities, by name.
+pub const QUANTITIES: [&str; 4] = ["pressure", "displacement", "drained", "stress"];
+
+impl Errors {
+    /// How far a run is from another.
+    pub fn between(run: &Course, other: &Course) -> Errors {
+        Errors {
+            pressure: relative(&run.pressure, &other.pressure),
+            displacement: relative(&run.displacement, &other.displacement),
+            drained: relative(&run.drained, &other.drained),
+            stress: relative(&run.stress, &other.stress),
+        }
+    }
+
+    /// In the order of [`QUANTITIES`].
+    pub fn all(&self) -> [Option<f64>; 4] {
+        [self.pressure, self.displacement, self.drained, self.stress]
+    }
+
+    /// The error that is meant where one number is asked for: of pressures, and without fluid of
+    /// displacements, or where no wall moves of stresses.
+    pub fn main(&self) -> f64 {
+        self.pressure.or(self.displacement).or(self.stress).unwrap_or(f64::NAN)
+    }
+}
+
+fn relative(run: &Seen, other: &Seen) -> Option<f64> {
+    let (mut off, mut size) = (0.0, 0.0);
+    for (look, reference) in run.iter().zip(other) {
+        for (a, b) in look.iter().zip(reference) {
+            off += (a - b).powi(2);
+            size += b * b;
+        }
+    }
+    // A run that ended early has not seen what it should have.
+    let complete = run.len() == other.len();
+    (size > 0.0).then(|| if complete { (off / size).sqrt() } else { f64::NAN })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(values: &[f64]) -> Course {
+        let pressure = values.iter().map(|v| vec![*v, 2.0 * v]).collect();
+        Course { pressure, ..Course::default() }
+    }
+
+    /// By hand: differences of 0.1 and 0.2 beside values of 1 and 2 are 10 %.
+    #[test]
+    fn errors_are_relative_and_need_all_looks() {
+        let errors = Errors::between(&course(&[1.1]), &course(&[1.0]));
+        assert!((errors.main() - 0.1).abs() < 1e-12, "{errors:?}");
+        assert_eq!(errors.all()[1..], [None; 3]);
+        assert!(Errors::between(&course(&[1.0]), &course(&[1.0, 1.0])).main().is_nan());
+    }
+}

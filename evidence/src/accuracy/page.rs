@@ -1,0 +1,246 @@
+//! What a sweep found: table, words, picture and page.
+
+use std::fmt::Write as _;
+
+use dempfv_report::format::three_digits;
+use dempfv_report::markdown::{NOTHING, cell, table};
+use dempfv_report::plot::color::INK;
+use dempfv_report::plot::{Axis, Mark, Picture, SERIES, Series, xy};
+
+use super::choose::{Choice, order, pareto};
+use super::errors::QUANTITIES;
+use super::setting::Setting;
+use super::study::Study;
+use super::sweep::{Point, Sweep};
+
+/// What the errors are, for every reader of a table.
+pub const DEFINITIONS: &str = "Errors are relative: the root of the sum of squares of the differences to the \
+reference, over 32 moments evenly spread in the window and all that is seen in each, over the root of the sum \
+of squares of the reference itself. Seen are the pressure at up to 1,000 spheres (the mean of the pores around \
+each, by volume), the displacement of each wall since the window began, what has left through all walls, and \
+the stress on each wall; each at the time that it belongs to: pressures half a step before the positions that \
+gave them, of which the contacts are. The *own* error is that of pressures (displacements without fluid) beside the same \
+scene with the finest setting of the same knob: what this knob alone does. Energy is what the balance misses \
+over all that was moved, of the run itself. Time is wall time per model time, the median of up to three turns. \
+A star: the own error is below what separates two references with different linear solvers.";
+
+/// An error in the form of a table.
+fn shown(error: Option<f64>) -> String {
+    cell(error.filter(|e| e.is_finite()), |e| format!("{e:.1e}"))
+}
+
+fn row(point: &Point) -> Vec<String> {
+    let mut cells = vec![format!("{}: {}", point.knob, point.setting)];
+    if let Some(failed) = &point.failed {
+        cells.push(format!("ended: {failed}"));
+        cells.resize(9, String::new());
+        return cells;
+    }
+    let star = if point.under_floor { " *" } else { "" };
+    let own = point.own.pressure.or(point.own.displacement).or(point.own.stress);
+    cells.push(point.seconds_per_second.show(1.0));
+    cells.extend(point.errors.all().map(shown));
+    cells.push(format!("{}{star}", shown(own)));
+    cells.push(shown(point.energy));
+    cells.push(format!("{} / {}", point.steps, point.networks));
+    cells
+}
+
+/// The table of all points.
+pub fn points_table(sweep: &Sweep, choices: &[Choice]) -> String {
+    let header = [
+        "setting",
+        "s per s",
+        QUANTITIES[0],
+        QUANTITIES[1],
+        QUANTITIES[2],
+        QUANTITIES[3],
+        "own",
+        "energy",
+        "steps / networks",
+    ];
+    let chosen = choices.iter().map(|choice| &choice.point);
+    table(&header, std::iter::once(&sweep.scene).chain(&sweep.points).chain(chosen).map(row))
+}
+
+/// What the runs were.
+pub fn about(study: &Study, sweep: &Sweep) -> String {
+    let whole = match study.whole {
+        true => "to its end".to_owned(),
+        false => format!(
+            "for {} s, a window through which the reference took the time it was given; the rest is not \
+             measured",
+            three_digits(study.window)
+        ),
+    };
+    format!(
+        "{} spheres, stage `{}` from its beginning {whole}: {} stable time steps of {} s. The reference \
+         builds a network at each step, solves to 1e-12 and takes steps of {} of the stable one: {} s per \
+         second of model time, {} steps. Another reference with the other linear solver is off by {} in \
+         the main error.\n",
+        study.spheres,
+        study.stage_name,
+        three_digits(study.window / study.limit),
+        three_digits(study.limit),
+        three_digits(study.reference_share),
+        three_digits(sweep.reference.seconds[0] / study.window),
+        sweep.reference.steps,
+        shown(Some(sweep.floor.main())),
+    )
+}
+
+/// What is recommended, in words.
+pub fn words(choices: &[Choice]) -> String {
+    let mut text = String::new();
+    for choice in choices {
+        let Choice { target, point, met, elsewhere, .. } = choice;
+        let reached = if *met { "" } else { "not reached; the best found: " };
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "- {} %: {reached}{}; error {} %, {} times as fast as the reference, {} times the scene as it is",
+            three_digits(100.0 * target),
+            point.setting,
+            three_digits(100.0 * point.error),
+            three_digits(choice.faster_than_reference),
+            three_digits(choice.faster_than_scene),
+        );
+        let _ = match elsewhere {
+            Some(error) => writeln!(
+                text,
+                ". On spheres that were not used for choosing: {} %.",
+                three_digits(100.0 * error)
+            ),
+            None => writeln!(text, "."),
+        };
+    }
+    text
+}
+
+/// Orders of convergence, in words.
+pub fn orders(sweep: &Sweep) -> String {
+    let floor = sweep.floor.main();
+    let value = |setting: &Setting| match setting {
+        Setting::Interval(steps) => Some(*steps as f64),
+        Setting::TimeStep(share) => Some(*share),
+        _ => None,
+    };
+    let of = |knob| match order(&sweep.points, knob, floor, value) {
+        Some(order) => format!("{order:.2}"),
+        None => NOTHING.to_owned(),
+    };
+    format!(
+        "Own errors grow with the remesh interval to the power {} and with the time step to the power {} \
+         (least squares over the logarithms, points above three times the floor).\n",
+        of("remesh interval"),
+        of("time step")
+    )
+}
+
+/// Error against time, a line for each knob.
+pub fn picture(title: &str, sweep: &Sweep, choices: &[Choice]) -> Picture {
+    let mut knobs: Vec<&str> = vec![];
+    for point in &sweep.points {
+        if !knobs.contains(&point.knob) {
+            knobs.push(point.knob);
+        }
+    }
+    let of = |points: &mut dyn Iterator<Item = &Point>| -> (Vec<f64>, Vec<f64>) {
+        points.filter(|p| p.error.is_finite()).map(|p| (p.seconds, p.error)).unzip()
+    };
+    let curves: Vec<_> =
+        knobs.iter().map(|knob| of(&mut sweep.points.iter().filter(|p| p.knob == *knob))).collect();
+    let front = of(&mut pareto(&sweep.points).into_iter());
+    let chosen = of(&mut choices.iter().map(|choice| &choice.point));
+    let scene = of(&mut std::iter::once(&sweep.scene));
+    let line = |width, dash| Mark::Line { width, dash };
+    let dots = |radius| Mark::Dots { radius, apart: 0.0 };
+    let mut series: Vec<Series> = vec![];
+    for (i, (knob, (x, y))) in knobs.iter().zip(&curves).enumerate() {
+        let color = SERIES[i % SERIES.len()];
+        let dash = (i >= SERIES.len()).then_some([5.0, 3.0]);
+        let name = Some((*knob).to_owned());
+        series.push(Series { name, x, y, color, mark: line(1.4, dash) });
+        series.push(Series { name: None, x, y, color, mark: dots(2.6) });
+    }
+    let (name, color) = (Some("none is better in both".to_owned()), INK);
+    series.push(Series {
+        name,
+        x: &front.0,
+        y: &front.1,
+        color,
+        mark: line(1.0, Some([2.0, 3.0])),
+    });
+    for (name, (x, y), radius) in [("the scene", &scene, 4.5), ("chosen", &chosen, 6.0)] {
+        let color = if name == "chosen" { SERIES[1] } else { INK };
+        series.push(Series { name: Some(name.to_owned()), x, y, color, mark: dots(radius) });
+    }
+    let x = Axis::log("Wall time per model time (1)");
+    let y = Axis::log("Error beside the reference (1)");
+    xy(title, "Each line is one knob, all else as the scene has it", x, y, &series)
+}
+
+/// One row for each point.
+pub fn csv(sweep: &Sweep, choices: &[Choice]) -> String {
+    let mut text =
+        "knob,setting,seconds_per_second,error,error_pressure,error_displacement,error_drained,\
+                    error_stress,own_error,under_floor,energy,steps,networks,failed\n"
+            .to_owned();
+    let number =
+        |v: Option<f64>| v.filter(|v| v.is_finite()).map_or(String::new(), |v| format!("{v:e}"));
+    let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
+    let chosen = choices.iter().map(|choice| &choice.point);
+    for p in std::iter::once(&sweep.scene).chain(&sweep.points).chain(chosen) {
+        let own = p.own.pressure.or(p.own.displacement).or(p.own.stress);
+        let errors: Vec<String> = p.errors.all().map(number).to_vec();
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{},{},{},{},{}",
+            p.knob,
+            quoted(&p.setting),
+            number(Some(p.seconds)),
+            number(Some(p.error)),
+            errors.join(","),
+            number(own),
+            p.under_floor,
+            number(p.energy),
+            p.steps,
+            p.networks,
+            quoted(p.failed.as_deref().unwrap_or_default()),
+        );
+    }
+    text
+}
+
+/// A page that needs nothing beside itself.
+pub fn html(title: &str, svg: &str, parts: &[String], sweep: &Sweep, choices: &[Choice]) -> String {
+    let escaped = |s: &str| s.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let title = escaped(title);
+    let mut body = format!("<h1>{title}</h1>\n{svg}\n");
+    for part in parts {
+        let lines: Vec<&str> = part.lines().filter(|line| !line.is_empty()).collect();
+        if lines.iter().all(|line| line.starts_with("- ")) {
+            let items = lines.iter().map(|l| format!("<li>{}</li>\n", escaped(&l[2..])));
+            body += &format!("<ul>\n{}</ul>\n", items.collect::<String>());
+        } else {
+            body += &format!("<p>{}</p>\n", escaped(&lines.join(" ")));
+        }
+    }
+    let text = points_table(sweep, choices);
+    let rows = text.lines().enumerate().filter(|(i, line)| *i != 1 && line.starts_with('|'));
+    body += "<table>\n";
+    for (i, line) in rows {
+        let tag = if i == 0 { "th" } else { "td" };
+        let cells = line.trim_matches('|').split('|');
+        let cells = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell.trim())));
+        body += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+    }
+    body += "</table>\n";
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n<style>\
+         body{{font:15px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#262626}}\
+         svg{{max-width:100%;height:auto}}table{{border-collapse:collapse;font-size:13px}}\
+         td,th{{border-bottom:1px solid #ddd;padding:.2em .6em;text-align:right}}\
+         td:first-child,th:first-child{{text-align:left}}</style></head>\n<body>\n{body}</body></html>\n"
+    )
+}

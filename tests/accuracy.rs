@@ -1,0 +1,100 @@
+//! `dempfv accuracy` on a small scene with a short window: every setting has its error and its time, the
+//! page needs nothing beside itself, a chosen scene is one, and a sweep that was stopped goes on.
+
+mod program;
+
+use program::{Folder, error};
+
+const PACKING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/packings/oedometer-1000.txt");
+
+/// A packing in water that is pressed from above.
+fn scene(stage: &str) -> String {
+    format!(
+        "[particles]\npacking = {PACKING:?}\n[dem]\n\
+         [fluid]\nviscosity = 1e-3\nbulk_modulus = 1e7\npressure = {{ y_max = 0.0, y_min = 0.0 }}\n\
+         {stage}"
+    )
+}
+
+const RUN: &str = "[[stage]]\nkind = \"run\"\nname = \"press\"\nsteps = 400\n\
+                   walls = { y_max = { velocity = -0.01 } }\n";
+
+#[test]
+fn settings_have_errors_and_times() {
+    let folder = Folder::new("accuracy");
+    folder.write("a.toml", &scene(RUN));
+    let words = [
+        "accuracy",
+        "a.toml",
+        "--quick",
+        "--seconds",
+        "0.2",
+        "--target",
+        "0.05",
+        "--out",
+        "a",
+        "--json",
+        "-",
+    ];
+    let said = folder.done(&words);
+    let report: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let points = report["points"].as_array().unwrap();
+    let knobs: Vec<&str> = points.iter().map(|p| p["knob"].as_str().unwrap()).collect();
+    for knob in
+        ["scene", "remesh interval", "update", "solver", "tolerance", "time step", "effects"]
+    {
+        assert!(knobs.contains(&knob), "{knob} of {knobs:?}");
+    }
+    for point in points {
+        assert!(point["failed"].is_null(), "{point}");
+        assert!(point["seconds"].as_f64().unwrap() > 0.0, "{point}");
+        assert!(point["error"].as_f64().unwrap() < 2.0 && point["setting"].is_string(), "{point}");
+    }
+    // Coarser steps are worse than the finest, and a fluid as stiff as water is no soft one.
+    let own = |setting: &str| {
+        let found = points.iter().find(|p| p["setting"].as_str().unwrap().starts_with(setting));
+        found.unwrap_or_else(|| panic!("{setting}"))["own"]["pressure"].as_f64().unwrap()
+    };
+    assert!(own("dt = 0.8 ") > 1e-3 && own("without bulk_modulus") > 1e-3);
+    assert!(own("update = \"every step\", tolerance = 1e-4") < 1e-2);
+
+    let chosen = &report["chosen"][0];
+    assert_eq!(chosen["target"], 0.05);
+    assert_eq!(chosen["met"], chosen["point"]["error"].as_f64().unwrap() <= 0.05);
+    assert!(chosen["elsewhere"].as_f64().unwrap() < 1.0, "{chosen}");
+    folder.done(&["check", "a/chosen.toml"]);
+
+    assert_eq!(folder.read("a/accuracy.csv").lines().count(), points.len() + 2);
+    let page = folder.read("a/accuracy.html");
+    assert!(page.contains("<svg") && page.contains("remesh_interval = 1"), "{page}");
+    let linked = page.replace("http://www.w3.org/2000/svg", "").contains("http");
+    assert!(!linked, "the page needs the network");
+
+    // What is there stays.
+    let again = folder.dempfv(&words);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(error(&again).contains("--force"), "{}", error(&again));
+    // A sweep that was stopped before its end goes on with the runs that it has: the same times.
+    let table = folder.read("a/accuracy.csv");
+    std::fs::remove_file(folder.0.join("a/accuracy.json")).unwrap();
+    folder.done(&words);
+    assert_eq!(folder.read("a/accuracy.csv"), table);
+}
+
+#[test]
+fn what_cannot_be_measured_is_said() {
+    let folder = Folder::new("accuracy-refused");
+    folder.write("p.toml", &scene("[[stage]]\nkind = \"permeability\"\naxis = \"y\"\n"));
+    folder.write("a.toml", &scene(RUN));
+    for (words, what) in [
+        (vec!["accuracy", "p.toml"], "no stage of this scene steps"),
+        (vec!["accuracy", "a.toml", "--target", "2"], "--target is 2"),
+        (vec!["accuracy", "a.toml", "--seconds", "0"], "--seconds is 0"),
+        (vec!["accuracy", "b.toml"], "b.toml"),
+    ] {
+        let output = folder.dempfv(&words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {}", error(&output));
+        assert!(error(&output).contains(what), "{words:?}: {}", error(&output));
+    }
+    assert!(!folder.0.join("out").exists());
+}
