@@ -66,7 +66,7 @@ fn contradictions_are_refused() {
         assert!(error.what.contains(what), "{tables}: {error}");
     }
     let nowhere = "[[motion]]\ncenter = [0.5, 3, 0.5]\nradius = 1";
-    let error = Simulation::new(plan(&scene("", nowhere))).unwrap().advance().unwrap_err();
+    let error = Simulation::new(plan(&scene("", nowhere))).err().unwrap();
     assert!(error.to_string().contains("[[motion]] 1 has no sphere"), "{error}");
 }
 

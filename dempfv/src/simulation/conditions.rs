@@ -1,13 +1,13 @@
-//! Whether a packing has the spheres that motions name, and the fluid's conditions fit the pores that
+//! Whether a packing has the spheres that motions choose, and the fluid's conditions fit the pores that
 //! they are first meant for.
 
 use crate::pfv::PfvError;
-use crate::scene::Plan;
+use crate::scene::{Plan, Stage};
 use crate::{Aabb, Result, Vec3};
 
-/// Refuses motions of spheres that are not there. Refuses regions that select no pore, or pores that something else holds already, in the network of
-/// spheres at these places (m): before a run has written anything. Where spheres move before the
-/// fluid comes, nobody knows its pores yet.
+/// Refuses, before a run has written anything, motions of spheres that are not there, and regions that
+/// select no pore, or pores that something else holds already, in the network of spheres at these
+/// places (m). Where spheres move before the motion or the fluid comes, nobody knows yet.
 ///
 /// # Errors
 /// What contradicts what; why there is no network.
@@ -17,7 +17,7 @@ pub fn check_conditions(
     radius: &[f64],
     bounds: Aabb,
 ) -> Result<()> {
-    check_motions(plan, position.len())?;
+    check_motions(plan, position, radius)?;
     let first = plan.stages.iter().find(|stage| stage.kind.moves() || stage.kind.has_conditions());
     let meant_for = first.filter(|stage| stage.kind.has_conditions());
     let Some((fluid, stage)) = plan.fluid.as_ref().zip(meant_for) else { return Ok(()) };
@@ -43,13 +43,22 @@ pub fn check_conditions(
 }
 
 /// No stage changes how many spheres there are.
-fn check_motions(plan: &Plan, spheres: usize) -> Result<()> {
+fn check_motions(plan: &Plan, position: &[Vec3], radius: &[f64]) -> Result<()> {
     for (place, given) in plan.motions.iter().enumerate() {
+        let (motion, spheres) = (place + 1, position.len());
         let mut numbers = given.which.numbers.iter().flatten();
         if let Some(number) = numbers.find(|number| **number as usize >= spheres) {
-            let what = format!("`numbers` in [[motion]] {} have {number}", place + 1);
+            let what = format!("`numbers` in [[motion]] {motion} have {number}");
             let remedy = format!("there are {spheres} spheres, and their numbers begin at 0");
             return Err(plan.error(what, remedy).into());
+        }
+        let begins = |(i, stage): (usize, &Stage)| given.begin_with(&stage.name, i == 0);
+        let begins = plan.stages.iter().enumerate().position(begins).unwrap_or(0);
+        let known = !plan.stages[..begins].iter().any(|stage| stage.kind.moves());
+        if known && given.which.chosen(position, radius).is_empty() {
+            let stage = plan.stages.get(begins).map_or("", |stage| &stage.name);
+            let what = format!("[[motion]] {motion} has no sphere when stage \"{stage}\" begins");
+            return Err(plan.error(what, "give a region with the centre of a sphere in it").into());
         }
     }
     Ok(())
