@@ -81,13 +81,33 @@ fn settings_have_errors_and_times() {
     assert_eq!(folder.read("a/accuracy.csv"), table);
 }
 
+/// YADE's bounds of conductances hold 10 % of the permeability of millimetre grains.
+#[test]
+fn a_permeability_has_an_accuracy() {
+    let folder = Folder::new("accuracy-permeability");
+    folder.write("p.toml", &scene("[[stage]]\nkind = \"permeability\"\naxis = \"y\"\n"));
+    let said =
+        folder.done(&["accuracy", "p.toml", "--target", "0.01", "--out", "p", "--json", "-"]);
+    let report: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let points = report["points"].as_array().unwrap();
+    let error = |setting: &str| {
+        let found = points.iter().find(|p| p["setting"] == setting);
+        found.unwrap_or_else(|| panic!("{setting}: {said}"))["error"].as_f64().unwrap()
+    };
+    assert_eq!(error("clamp = \"none\""), 0.0);
+    let yade = error("clamp = \"yade\"");
+    assert!((0.01..0.5).contains(&yade), "{yade}");
+    assert!(error("slip_walls = false") > 0.01 && error("as it is") < 1e-9);
+    assert!(report["chosen"][0]["met"] == true && report["chosen"][0]["elsewhere"].is_null());
+}
+
 #[test]
 fn what_cannot_be_measured_is_said() {
     let folder = Folder::new("accuracy-refused");
-    folder.write("p.toml", &scene("[[stage]]\nkind = \"permeability\"\naxis = \"y\"\n"));
+    folder.write("p.toml", &scene("[[stage]]\nkind = \"flow\"\ntime = 1.0\n"));
     folder.write("a.toml", &scene(RUN));
     for (words, what) in [
-        (vec!["accuracy", "p.toml"], "no stage of this scene steps"),
+        (vec!["accuracy", "p.toml"], "no stage of this scene steps or measures a permeability"),
         (vec!["accuracy", "a.toml", "--target", "2"], "--target is 2"),
         (vec!["accuracy", "a.toml", "--seconds", "0"], "--seconds is 0"),
         (vec!["accuracy", "b.toml"], "b.toml"),

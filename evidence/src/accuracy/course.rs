@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use dempfv::scene::Plan;
-use dempfv::simulation::Simulation;
+use dempfv::simulation::{Outcome, Simulation};
 use serde::{Deserialize, Serialize};
 
 use super::study::Study;
@@ -28,6 +28,8 @@ pub struct Course {
     pub drained: Seen,
     /// Stress on each wall, contacts and fluid together (Pa); in a periodic cell that of contacts.
     pub stress: Seen,
+    /// Permeability (m²).
+    pub permeability: Seen,
     pub steps: u64,
     /// Networks that came into use.
     pub networks: u64,
@@ -93,8 +95,28 @@ fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
     from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
 }
 
+/// The permeability of a packing at rest.
+fn measured(mut simulation: Simulation) -> Result<Course> {
+    let clock = Instant::now();
+    simulation.advance()?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let found = match simulation.outcomes().last().map(|stage| &stage.outcome) {
+        Some(Outcome::Permeability(test)) => vec![test.permeability_m2],
+        _ => vec![],
+    };
+    Ok(Course {
+        permeability: vec![found],
+        networks: 1,
+        seconds: vec![seconds],
+        ..Course::default()
+    })
+}
+
 fn once(study: &Study, plan: &Plan) -> Result<Course> {
     let mut simulation = Simulation::restart(plan.clone(), study.state.clone())?;
+    if study.is_static {
+        return measured(simulation);
+    }
     let first = simulation.step();
     let began = displacement(&simulation);
     // A step n takes contacts from its positions, pressures from the velocities half a step before
@@ -129,6 +151,7 @@ fn once(study: &Study, plan: &Plan) -> Result<Course> {
         displacement: moved.seen,
         drained: drained.seen,
         stress: stress.seen,
+        permeability: vec![],
         steps: simulation.step() - first,
         networks: simulation.coupled().remeshes(),
         seconds: vec![seconds],

@@ -17,10 +17,12 @@ pub struct Errors {
     pub drained: Option<f64>,
     /// Of the stresses on the walls.
     pub stress: Option<f64>,
+    /// Of the permeability.
+    pub permeability: Option<f64>,
 }
 
 /// The quantities, by name.
-pub const QUANTITIES: [&str; 4] = ["pressure", "displacement", "drained", "stress"];
+pub const QUANTITIES: [&str; 5] = ["pressure", "displacement", "drained", "stress", "permeability"];
 
 impl Errors {
     /// How far a run is from another.
@@ -30,18 +32,20 @@ impl Errors {
             displacement: relative(&run.displacement, &other.displacement),
             drained: relative(&run.drained, &other.drained),
             stress: relative(&run.stress, &other.stress),
+            permeability: relative(&run.permeability, &other.permeability),
         }
     }
 
     /// In the order of [`QUANTITIES`].
-    pub fn all(&self) -> [Option<f64>; 4] {
-        [self.pressure, self.displacement, self.drained, self.stress]
+    pub fn all(&self) -> [Option<f64>; 5] {
+        [self.pressure, self.displacement, self.drained, self.stress, self.permeability]
     }
 
     /// The error that is meant where one number is asked for: of pressures, and without fluid of
-    /// displacements, or where no wall moves of stresses.
+    /// displacements, or where no wall moves of stresses; where nothing steps of the permeability.
     pub fn main(&self) -> f64 {
-        self.pressure.or(self.displacement).or(self.stress).unwrap_or(f64::NAN)
+        let moving = self.pressure.or(self.displacement).or(self.stress);
+        moving.or(self.permeability).unwrap_or(f64::NAN)
     }
 }
 
@@ -72,7 +76,7 @@ mod tests {
     fn errors_are_relative_and_need_all_looks() {
         let errors = Errors::between(&course(&[1.1]), &course(&[1.0]));
         assert!((errors.main() - 0.1).abs() < 1e-12, "{errors:?}");
-        assert_eq!(errors.all()[1..], [None; 3]);
+        assert_eq!(errors.all()[1..], [None; 4]);
         assert!(Errors::between(&course(&[1.0]), &course(&[1.0, 1.0])).main().is_nan());
     }
 }

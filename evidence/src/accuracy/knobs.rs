@@ -6,6 +6,7 @@ use dempfv::scene::Plan;
 use dempfv::solver::SolverKind;
 
 use super::setting::{Omitted, Setting};
+use super::study::Study;
 
 /// Settings of the runs that errors are measured from: a network at each step, solved to round-off, at
 /// this share of the largest stable step.
@@ -30,10 +31,11 @@ const TOLERANCES: [f64; 6] = [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2];
 /// Time steps as shares of the largest stable one.
 const TIME_STEPS: [f64; 6] = [0.0625, 0.125, 0.25, 0.5, 0.8, 0.95];
 
-/// All knobs that a plan has, each with its settings; the first of each is the finest. Of `quick`
-/// sweeps fewer, and of a window of so many steps no longer intervals. `finest` is the time step of the
-/// reference over the largest stable one.
-pub fn knobs(plan: &Plan, quick: bool, steps: f64, finest: f64) -> Vec<Vec<Setting>> {
+/// All knobs that a study has, each with its settings; the first of each is the finest. Of `quick`
+/// sweeps fewer, and no intervals longer than the window.
+pub fn knobs(study: &Study, quick: bool) -> Vec<Vec<Setting>> {
+    let Study { plan, reference_share: finest, .. } = study;
+    let steps = study.window / study.limit;
     let mut all: Vec<Vec<Setting>> = vec![];
     if plan.fluid.is_some() {
         let intervals = INTERVALS.into_iter().filter(|&n| n as f64 <= steps.max(1.0));
@@ -48,7 +50,7 @@ pub fn knobs(plan: &Plan, quick: bool, steps: f64, finest: f64) -> Vec<Vec<Setti
         all.push(clamps.map(Setting::Clamp).to_vec());
     }
     let coarser = TIME_STEPS.into_iter().filter(|&share| share > 1.2 * finest);
-    all.push(std::iter::once(finest).chain(coarser).map(Setting::TimeStep).collect());
+    all.push(std::iter::once(*finest).chain(coarser).map(Setting::TimeStep).collect());
     all.push(omissions(plan).into_iter().map(Setting::Without).collect());
     if quick {
         for settings in all.iter_mut().filter(|settings| settings.len() > FEW) {
@@ -56,6 +58,9 @@ pub fn knobs(plan: &Plan, quick: bool, steps: f64, finest: f64) -> Vec<Vec<Setti
             let mut nth = 0..;
             settings.retain(|s| finest == Some(*s) || nth.next().is_some_and(|n| n % 2 == 1));
         }
+    }
+    for settings in &mut all {
+        settings.retain(|setting| !study.is_static || setting.is_of_statics());
     }
     all.retain(|settings| !settings.is_empty());
     all
@@ -70,6 +75,9 @@ fn omissions(plan: &Plan) -> Vec<Omitted> {
     }
     let Some(fluid) = &plan.fluid else { return all };
     let effects = &fluid.effects;
+    if fluid.fluid.slip_walls && plan.cell.is_none() {
+        all.push(Omitted::WallSlip);
+    }
     if effects.bulk_modulus.is_some() {
         all.push(Omitted::Compressibility);
     }

@@ -147,7 +147,7 @@ pub fn run(args: &Args) -> Result<Report> {
             let settings = &choice.point.settings;
             let scene = study.with(settings).to_toml();
             atomic::write(&folder.join(SCENE), scene.as_bytes())?;
-            choice.elsewhere = Some(elsewhere(&study, settings, &runs_folder)?);
+            choice.elsewhere = elsewhere(&study, settings, &runs_folder)?;
         }
     }
     let picture = page::picture(&title, &sweep, &chosen);
@@ -196,11 +196,11 @@ impl Begun {
 }
 
 /// Error of these settings in a study that was not used for choosing them.
-fn elsewhere(study: &Study, settings: &[Setting], folder: &Path) -> Result<f64> {
-    let other = study.another(study.window / 3.0)?;
+fn elsewhere(study: &Study, settings: &[Setting], folder: &Path) -> Result<Option<f64>> {
+    let Some(other) = study.another(study.window / 3.0)? else { return Ok(None) };
     let folder = folder.join("elsewhere");
     make_folder(&folder)?;
-    Runs::new(&other, &folder, true).error(settings)
+    Runs::new(&other, &folder, true).error(settings).map(Some)
 }
 
 impl fmt::Display for Report {

@@ -19,7 +19,7 @@ reference, over 32 moments evenly spread in the window and all that is seen in e
 of squares of the reference itself. Seen are the pressure at up to 1,000 spheres (the mean of the pores around \
 each, by volume), the displacement of each wall since the window began, what has left through all walls, and \
 the stress on each wall; each at the time that it belongs to: pressures half a step before the positions that \
-gave them, of which the contacts are. The *own* error is that of pressures (displacements without fluid) beside the same \
+gave them, of which the contacts are; or a permeability. The *own* error is that of pressures (displacements without fluid) beside the same \
 scene with the finest setting of the same knob: what this knob alone does. Energy is what the balance misses \
 over all that was moved, of the run itself. Time is wall time per model time, the median of up to three turns. \
 A star: the own error is below what separates two references with different linear solvers.";
@@ -33,11 +33,11 @@ fn row(point: &Point) -> Vec<String> {
     let mut cells = vec![format!("{}: {}", point.knob, point.setting)];
     if let Some(failed) = &point.failed {
         cells.push(format!("ended: {failed}"));
-        cells.resize(9, String::new());
+        cells.resize(10, String::new());
         return cells;
     }
     let star = if point.under_floor { " *" } else { "" };
-    let own = point.own.pressure.or(point.own.displacement).or(point.own.stress);
+    let own = Some(point.own.main());
     cells.push(point.seconds_per_second.show(1.0));
     cells.extend(point.errors.all().map(shown));
     cells.push(format!("{}{star}", shown(own)));
@@ -48,13 +48,15 @@ fn row(point: &Point) -> Vec<String> {
 
 /// The table of all points.
 pub fn points_table(sweep: &Sweep, choices: &[Choice]) -> String {
+    let [first, second, third, fourth, fifth] = QUANTITIES;
     let header = [
         "setting",
         "s per s",
-        QUANTITIES[0],
-        QUANTITIES[1],
-        QUANTITIES[2],
-        QUANTITIES[3],
+        first,
+        second,
+        third,
+        fourth,
+        fifth,
         "own",
         "energy",
         "steps / networks",
@@ -65,6 +67,16 @@ pub fn points_table(sweep: &Sweep, choices: &[Choice]) -> String {
 
 /// What the runs were.
 pub fn about(study: &Study, sweep: &Sweep) -> String {
+    if study.is_static {
+        return format!(
+            "{} spheres, stage `{}`: one permeability takes the place of a second. The reference solves to \
+             1e-12 and bounds no conductance: {} s. With the other linear solver it is off by {}.\n",
+            study.spheres,
+            study.stage_name,
+            three_digits(sweep.reference.seconds[0]),
+            shown(Some(sweep.floor.main())),
+        );
+    }
     let whole = match study.whole {
         true => "to its end".to_owned(),
         false => format!(
@@ -184,14 +196,14 @@ pub fn picture(title: &str, sweep: &Sweep, choices: &[Choice]) -> Picture {
 pub fn csv(sweep: &Sweep, choices: &[Choice]) -> String {
     let mut text =
         "knob,setting,seconds_per_second,error,error_pressure,error_displacement,error_drained,\
-                    error_stress,own_error,under_floor,energy,steps,networks,failed\n"
+                    error_stress,error_permeability,own_error,under_floor,energy,steps,networks,failed\n"
             .to_owned();
     let number =
         |v: Option<f64>| v.filter(|v| v.is_finite()).map_or(String::new(), |v| format!("{v:e}"));
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     let chosen = choices.iter().map(|choice| &choice.point);
     for p in std::iter::once(&sweep.scene).chain(&sweep.points).chain(chosen) {
-        let own = p.own.pressure.or(p.own.displacement).or(p.own.stress);
+        let own = Some(p.own.main());
         let errors: Vec<String> = p.errors.all().map(number).to_vec();
         let _ = writeln!(
             text,

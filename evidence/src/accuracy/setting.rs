@@ -17,6 +17,7 @@ pub enum Omitted {
     FilmsBetweenNeighbours,
     MotionOnFluid,
     FluidWeight,
+    WallSlip,
 }
 
 /// A change of a scene.
@@ -62,6 +63,17 @@ impl Setting {
         }
     }
 
+    /// Whether it bears on a flow through spheres at rest.
+    pub fn is_of_statics(&self) -> bool {
+        matches!(
+            self,
+            Setting::Solver(_)
+                | Setting::Tolerance(_)
+                | Setting::Clamp(_)
+                | Setting::Without(Omitted::WallSlip)
+        )
+    }
+
     /// Makes this change to a plan whose measured stage has this index and whose largest stable step
     /// at its start is `limit` (s).
     pub fn apply(&self, plan: &mut Plan, stage: usize, limit: f64) {
@@ -100,6 +112,7 @@ impl Setting {
                 Omitted::FilmsBetweenNeighbours => fluid.effects.edges = EdgeEffects::default(),
                 Omitted::MotionOnFluid => fluid.effects.one_way = true,
                 Omitted::FluidWeight => fluid.effects.density = None,
+                Omitted::WallSlip => fluid.fluid.slip_walls = false,
                 Omitted::Rotation => {}
             },
             Setting::TimeStep(_) => {}
@@ -128,6 +141,7 @@ impl fmt::Display for Setting {
                 Omitted::FilmsBetweenNeighbours => "without films between neighbours",
                 Omitted::MotionOnFluid => "coupling = \"one-way\"",
                 Omitted::FluidWeight => "without density of the fluid",
+                Omitted::WallSlip => "slip_walls = false",
             }),
         }
     }

@@ -11,7 +11,7 @@ use super::knobs::reference;
 use super::setting::Setting;
 use crate::Result;
 
-/// A stage that steps, from its beginning on, for a while.
+/// A stage that steps, from its beginning on, for a while; or a measured permeability.
 pub struct Study {
     /// The scene.
     pub plan: Plan,
@@ -30,6 +30,8 @@ pub struct Study {
     /// Time step of the reference over that (1).
     pub reference_share: f64,
     pub spheres: usize,
+    /// Nothing steps: a permeability is measured once, and takes the place of a second.
+    pub is_static: bool,
 }
 
 /// How much of a stage is looked at.
@@ -50,15 +52,18 @@ const FEWEST: f64 = 40.0;
 
 impl Study {
     /// Comes to the last stage that steps, and chooses a window through which the reference takes so
-    /// many seconds, or the one that is given.
+    /// many seconds, or the one that is given; in a scene where none steps, to its last permeability.
     pub fn of(plan: Plan, extent: Extent) -> Result<Study> {
         let steps =
             |kind: &StageKind| matches!(kind, StageKind::Run(_) | StageKind::Consolidate(_));
-        let wet = plan.stages.iter().rposition(|s| steps(&s.kind) && s.kind.is_coupled());
-        let stage = wet.or_else(|| plan.stages.iter().rposition(|s| steps(&s.kind)));
-        let Some(stage) = stage else {
-            let what = "no stage of this scene steps: there is nothing to measure";
-            let remedy = "give a scene with a `run` or a `consolidate` stage";
+        let last =
+            |holds: &dyn Fn(&StageKind) -> bool| plan.stages.iter().rposition(|s| holds(&s.kind));
+        let stage = last(&|kind| steps(kind) && kind.is_coupled()).or_else(|| last(&steps));
+        let measured = last(&|kind| matches!(kind, StageKind::Permeability(_)));
+        let is_static = stage.is_none();
+        let Some(stage) = stage.or(measured) else {
+            let what = "no stage of this scene steps or measures a permeability";
+            let remedy = "give a scene with a `run`, a `consolidate` or a `permeability` stage";
             return Err(InputError::new(what, remedy).into());
         };
         let mut progress = Progress::new();
@@ -69,6 +74,24 @@ impl Study {
             simulation.advance()?;
         }
         progress.waited();
+        if is_static {
+            let spheres = simulation.coupled().dem().len();
+            let (state, start) = (simulation.state(), simulation.time());
+            let (window, limit, reference_share, whole) = (1.0, 1.0, 1.0, true);
+            return Ok(Study {
+                plan,
+                stage,
+                stage_name,
+                state,
+                start,
+                window,
+                whole,
+                limit,
+                reference_share,
+                spheres,
+                is_static,
+            });
+        }
         Study::from(plan, stage, simulation.state(), extent)
     }
 
@@ -104,24 +127,28 @@ impl Study {
             limit,
             reference_share,
             spheres,
+            is_static: false,
         };
         study.choose_window(extent)?;
         Ok(study)
     }
 
     /// A study of the same stage with another seed, or where its spheres are those of a file, from the
-    /// end of this window on, for so much model time (s).
-    pub fn another(&self, window: f64) -> Result<Study> {
+    /// end of this window on, for so much model time (s); `None` where there is nothing else to look at.
+    pub fn another(&self, window: f64) -> Result<Option<Study>> {
         let extent = Extent::Window(window);
         if matches!(self.plan.particles.source, ParticleSource::Cloud(_)) {
             let seed = self.plan.seed + 1;
-            return Study::of(Plan { seed, ..self.plan.clone() }, extent);
+            return Study::of(Plan { seed, ..self.plan.clone() }, extent).map(Some);
+        }
+        if self.is_static || self.whole {
+            return Ok(None);
         }
         let mut simulation = Simulation::restart(self.plan.clone(), self.state.clone())?;
         while simulation.time() < self.start + self.window && self.is_in_stage(&simulation) {
             simulation.advance()?;
         }
-        Study::from(self.plan.clone(), self.stage, simulation.state(), extent)
+        Study::from(self.plan.clone(), self.stage, simulation.state(), extent).map(Some)
     }
 
     /// Whether a run is still in the stage.
@@ -129,9 +156,16 @@ impl Study {
         simulation.stage().is_some_and(|now| now.name == self.stage_name)
     }
 
+    /// The settings of the reference.
+    pub fn reference_settings(&self) -> Vec<Setting> {
+        let mut settings = reference(self.reference_share).to_vec();
+        settings.retain(|setting| !self.is_static || setting.is_of_statics());
+        settings
+    }
+
     /// The scene as the reference has it.
     pub fn reference(&self) -> Plan {
-        self.with(&reference(self.reference_share))
+        self.with(&self.reference_settings())
     }
 
     /// The scene with these settings.

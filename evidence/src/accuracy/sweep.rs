@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::{Course, run};
 use super::errors::Errors;
-use super::knobs::{self, knobs};
+use super::knobs::knobs;
 use super::setting::Setting;
 use super::study::Study;
 use crate::Result;
@@ -114,10 +114,9 @@ impl<'a> Runs<'a> {
         let other = match fluid.solver {
             SolverKind::Cholmod => SolverKind::Frontal,
             SolverKind::Frontal => SolverKind::Cholmod,
-            _ if reference.networks == 0 => SolverKind::Cholmod,
             _ => self.other_than_auto()?,
         };
-        let mut settings = knobs::reference(self.study.reference_share).to_vec();
+        let mut settings = self.study.reference_settings();
         settings.push(Setting::Solver(other));
         let again = self.course("reference, other solver", &self.study.with(&settings))?;
         let floor = Errors::between(&again, &reference);
@@ -190,9 +189,8 @@ impl<'a> Runs<'a> {
         // A scene that cannot go on has no accuracy.
         self.course("scene as it is", &self.study.plan)?;
         let (scene, _) = self.point("scene", &[], (&exact, None), limit);
-        let steps = self.study.window / self.study.limit;
         let mut points = vec![];
-        for settings in knobs(&self.study.plan, self.quick, steps, self.study.reference_share) {
+        for settings in knobs(self.study, self.quick) {
             let mut finest: Option<Course> = None;
             for (i, setting) in settings.iter().enumerate() {
                 let beside = match setting {
