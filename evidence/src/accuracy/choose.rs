@@ -66,6 +66,8 @@ pub fn choose(study: &Study, runs: &mut Runs<'_>, sweep: &Sweep, target: f64) ->
     }
 }
 
+/// Knobs that cost no time: the most exact setting is taken.
+const FREE: [&str; 1] = ["clamp"];
 /// A setting is taken for a faster one from this share of the time on.
 const FASTER: f64 = 0.9;
 
@@ -79,7 +81,9 @@ fn fastest(points: &[Point], group: &[&str], error: f64) -> Option<Setting> {
     let good = of_group().filter(|(_, own)| *own <= error);
     let fastest = good.min_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
     let exact = of_group().min_by(|a, b| a.1.total_cmp(&b.1));
-    let gains = |(exact, fastest): (&Point, &Point)| fastest.seconds < FASTER * exact.seconds;
+    let gains = |(exact, fastest): (&Point, &Point)| {
+        fastest.seconds < FASTER * exact.seconds && !FREE.contains(&fastest.knob)
+    };
     let (exact, fastest) = (exact?.0, fastest.map(|(point, _)| point));
     let chosen = fastest.filter(|&fastest| gains((exact, fastest))).unwrap_or(exact);
     chosen.settings.first().copied()
