@@ -105,14 +105,14 @@ fn a_foreign_state_is_refused() {
     let kind = b"dempfv coupled state";
     // The length of the kind, the kind, the version.
     assert_eq!((bytes[0] as usize, &bytes[1..=kind.len()]), (kind.len(), &kind[..]));
-    for (at, what) in [(1, "`eempfv coupled state`"), (kind.len() + 1, "version 8")] {
+    for (at, what) in [(1, "`eempfv coupled state`"), (kind.len() + 1, "version 9")] {
         let mut other = bytes.clone();
         other[at] += 1;
         let foreign: CoupledState = postcard::from_bytes(&other).unwrap();
         let error = Coupled::from_state(foreign).err().unwrap();
         assert!(matches!(error, CouplingError::ForeignState { .. }), "{error:?}");
         assert!(error.to_string().contains(what), "{error}");
-        assert!(error.to_string().contains("reads `dempfv coupled state`, version 7"), "{error}");
+        assert!(error.to_string().contains("reads `dempfv coupled state`, version 8"), "{error}");
         assert!(Error::from(error).is_input());
     }
     let again = Coupled::from_state(postcard::from_bytes(&bytes).unwrap()).unwrap();

@@ -6,8 +6,8 @@ use super::fluid_effects::FluidEffects;
 use super::fluid_state::{FluidState, Followed, Snapshot};
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
-use crate::pfv::{Flow, Iterations, NONE};
-use crate::{Aabb, PerWall, Vec3, WallId};
+use crate::pfv::{Flow, Iterations, NONE, Place};
+use crate::{Aabb, Cell, PerWall, Vec3, WallId};
 
 /// How spheres and walls move in a step, as the fluid feels it.
 pub(super) struct SolidMotion<'a> {
@@ -28,17 +28,21 @@ pub(super) struct SolidMotion<'a> {
     pub squeezes: bool,
     /// Whether there is any: velocities are of no account where spheres and walls stand still.
     pub moves: bool,
-    /// Where they are, if the network follows them.
+    /// Where they are, if the network follows them or its pores store fluid.
     pub geometry: Option<SolidGeometry<'a>>,
+    /// Whether the network follows them.
+    pub follows: bool,
 }
 
-/// Where spheres and walls are, and what flows between them.
+/// Where spheres and walls are.
 #[derive(Clone, Copy)]
 pub(super) struct SolidGeometry<'a> {
     /// Sphere centres (m).
     pub position: &'a [Vec3],
     /// The box (m).
     pub bounds: Aabb,
+    /// The periodic cell.
+    pub cell: Option<&'a Cell>,
 }
 
 /// Error that is asked of iterated pressures (1) where no tolerance was given; see
@@ -50,7 +54,18 @@ const EXHAUSTING_APPLICATIONS: u32 = 24;
 /// A time step so many times as long or as short as the one that the factor is for, too.
 const EXHAUSTING_STEP_RATIO: f64 = 2.0;
 
-/// How pores grow between walls, or in a periodic cell.
+/// How pores grow that store fluid: what a step takes up is the change of their volumes.
+fn take_growth(flow: &mut Flow, state: &mut FluidState, geometry: &SolidGeometry) -> Result<()> {
+    let SolidGeometry { position, bounds, cell } = geometry;
+    let place = Place { position, bounds, cell: *cell };
+    flow.grow_to(place)?;
+    if let Some(grown_to) = &mut state.grown_to {
+        grown_to.set(&place);
+    }
+    Ok(())
+}
+
+/// How pores grow between walls, or in a periodic cell, in the first order of the motion.
 fn evaluate_rates(flow: &mut Flow, motion: &SolidMotion) -> Result<()> {
     Ok(match flow.network().periodic() {
         None => flow.update_volume_rate(motion.velocity, &motion.walls),
@@ -92,7 +107,7 @@ impl ActiveNetwork {
     /// Volume rates, pressures and forces of a step (eqs. 5 to 10 of Caulk
     /// 2020).
     pub fn advance(&mut self, motion: &SolidMotion, phases: &mut Phases) -> Result<()> {
-        if let Some(geometry) = &motion.geometry {
+        if let Some(geometry) = motion.geometry.as_ref().filter(|_| motion.follows) {
             phases.time(Phase::Update, || self.update_geometry(geometry))?;
         }
         self.set_time_step(motion.dt, phases)?;
@@ -102,7 +117,10 @@ impl ActiveNetwork {
         }
         let ActiveNetwork { flow, state, iterations, .. } = self;
         if motion.squeezes {
-            phases.time(Phase::VolumeRates, || evaluate_rates(flow, motion))?;
+            phases.time(Phase::VolumeRates, || match &motion.geometry {
+                Some(geometry) if flow.time_step().is_some() => take_growth(flow, state, geometry),
+                _ => evaluate_rates(flow, motion),
+            })?;
         }
         if let Some((effects, time)) = motion.conditions {
             effects.impose(flow, time)?;
@@ -116,7 +134,7 @@ impl ActiveNetwork {
                     phases.time(Phase::Solve, || flow.wall_persistence(wall))?;
             }
         }
-        if motion.geometry.is_some() {
+        if motion.follows {
             let tolerance = flow.tolerance();
             let solve = phases.time(Phase::Solve, || flow.iterate(tolerance))?;
             state.exhausted |= solve.applications >= EXHAUSTING_APPLICATIONS;
@@ -144,7 +162,7 @@ impl ActiveNetwork {
             state.book_volumes(flow, motion.dt);
             flow.rest();
         }
-        let same_network = motion.geometry.is_none() && flow.time_step().is_none();
+        let same_network = !motion.follows && flow.time_step().is_none();
         Ok(rested && same_network && motion.conditions.is_none() && flow.is_solved())
     }
 
@@ -167,7 +185,7 @@ impl ActiveNetwork {
 
     /// Takes the network along with its spheres, and remembers where to.
     fn update_geometry(&mut self, geometry: &SolidGeometry) -> Result<()> {
-        let SolidGeometry { position, bounds } = *geometry;
+        let SolidGeometry { position, bounds, .. } = *geometry;
         let degradation = self.flow.update_geometry(position, &bounds)?;
         self.state.exhausted = degradation.inverted + degradation.lost > 0;
         match &mut self.state.followed {
@@ -193,6 +211,9 @@ impl ActiveNetwork {
         }
         if let Some(time_step) = state.time_step {
             flow.set_time_step(time_step)?;
+        }
+        if let Some(place) = &state.grown_to {
+            flow.set_grown_to(place.view())?;
         }
         flow.restore_pressures(&state.extrapolation, &state.volume_rate)?;
         flow.restore_taken(&state.taken);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::edges::EdgeState;
 use super::viscous_bound::FastestMode;
 use crate::dem::Dem;
-use crate::pfv::{Extrapolation, Flow};
+use crate::pfv::{self, Extrapolation, Flow};
 use crate::{Aabb, Cell, PerWall, Vec3};
 
 /// The positions that a network is built from.
@@ -39,6 +39,9 @@ pub(super) struct FluidState {
     pub snapshot: Snapshot,
     /// Where its spheres and walls were in the last step, if it follows them.
     pub followed: Option<Followed>,
+    /// Where they were when the growth of its pores was last taken; `None` where no pore stores
+    /// fluid.
+    pub grown_to: Option<Place>,
     /// Steps since it came into use, or since a remesh failed.
     pub since: u64,
     /// Change of each pore's volume since the snapshot (m³); empty without the
@@ -78,6 +81,37 @@ impl FluidState {
         for (change, rate) in self.volume_change.iter_mut().zip(flow.volume_rate()) {
             *change += rate * dt;
         }
+    }
+}
+
+/// Spheres and what is around them, at a moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Place {
+    /// Sphere centres (m).
+    pub position: Vec<Vec3>,
+    /// The box (m), or that around the cell.
+    pub bounds: Aabb,
+    /// The periodic cell in the place of walls.
+    pub cell: Option<Cell>,
+}
+
+impl Place {
+    pub fn of(dem: &Dem) -> Place {
+        let (position, bounds) = (dem.storage().position.clone(), dem.box_());
+        Place { position, bounds, cell: dem.cell().map(|cell| *cell.cell()) }
+    }
+
+    /// Moves it.
+    pub fn set(&mut self, to: &pfv::Place) {
+        self.position.clear();
+        self.position.extend_from_slice(to.position);
+        self.bounds = *to.bounds;
+        self.cell = to.cell.copied();
+    }
+
+    pub fn view(&self) -> pfv::Place<'_> {
+        let Place { position, bounds, cell } = self;
+        pfv::Place { position, bounds, cell: cell.as_ref() }
     }
 }
 

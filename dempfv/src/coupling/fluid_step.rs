@@ -7,7 +7,7 @@ use super::fluid_effects::FluidEffects;
 use super::options::Update;
 use super::phases::{Phase, Phases};
 use crate::Vec3;
-use crate::dem::{Dem, DemError, WallControl};
+use crate::dem::{Dem, DemError, PeriodicCell, WallControl};
 
 impl Coupled {
     /// Advances the fluid alone by `dt` (s): spheres and walls stand still, and no contact is
@@ -38,13 +38,14 @@ impl Coupled {
         let Coupled { dem, phases, remesher, effects, time, .. } = self;
         let follow = remesher.acceleration().update == Update::EveryStep;
         let Some(network) = &mut remesher.current else { return Ok(()) };
-        let particles = dem.storage();
-        let mut motion = motion(dem, &particles.velocity, dt, (effects, *time + dt));
+        let position = &dem.storage().position;
+        let mut motion = motion(dem, &dem.storage().velocity, dt, (effects, *time + dt));
         motion.moves = moves;
         motion.squeezes &= moves;
-        if follow {
-            motion.geometry =
-                Some(SolidGeometry { position: &particles.position, bounds: dem.box_() });
+        motion.follows = follow;
+        if follow || effects.store() {
+            let cell = dem.cell().map(PeriodicCell::cell);
+            motion.geometry = Some(SolidGeometry { position, bounds: dem.box_(), cell });
         }
         network.advance(&motion, phases)
     }
@@ -56,10 +57,12 @@ impl Coupled {
         let Coupled { dem, remesher, phases, overlap, effects, time, .. } = self;
         overlap.velocity.clone_from(&dem.storage().velocity);
         let mut motion = motion(dem, &overlap.velocity, dt, (effects, *time + dt));
-        if remesher.acceleration().update == Update::EveryStep {
+        motion.follows = remesher.acceleration().update == Update::EveryStep;
+        let cell = dem.cell().map(|cell| *cell.cell());
+        if motion.follows || effects.store() {
             overlap.position.clone_from(&dem.storage().position);
-            motion.geometry =
-                Some(SolidGeometry { position: &overlap.position, bounds: dem.box_() });
+            let (position, bounds) = (&overlap.position, dem.box_());
+            motion.geometry = Some(SolidGeometry { position, bounds, cell: cell.as_ref() });
         }
         let mut fluid_phases = Phases::default();
         let mut contact_phases = Phases::default();
@@ -110,5 +113,6 @@ fn motion<'a>(
         squeezes: !effects.one_way,
         moves: true,
         geometry: None,
+        follows: false,
     }
 }

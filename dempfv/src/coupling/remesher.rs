@@ -15,7 +15,7 @@ use super::background::{Answer, Ticket};
 use super::counts::{IntervalTrail, RemeshCounts};
 use super::edges::{EdgeForces, Films};
 use super::error::{CouplingError, Result};
-use super::fluid_state::{FluidState, Snapshot};
+use super::fluid_state::{FluidState, Place, Snapshot};
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
 use super::network_source::{NetworkSource, RemeshContext};
@@ -361,13 +361,20 @@ impl Remesher {
         load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         let mut edges = edges_of(&flow, &snapshot, &context)?;
+        let mut grown_to = None;
         if let Some(Retired { pressures, films, state }) = self.retired.take() {
+            grown_to = state.grown_to;
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
             if let (Some(edges), Some(films)) = (&mut edges, &films) {
                 edges.take_over(films);
             }
             self.counts.replaced(context.step.saturating_sub(state.snapshot.step));
+        }
+        // What the last motion has done to the pores is for this network to take up.
+        let grown_to = flow.time_step().map(|_| grown_to.unwrap_or_else(|| Place::of(context.dem)));
+        if let Some(place) = &grown_to {
+            flow.set_grown_to(place.view())?;
         }
         let volume_change = match context.saturation.remesh.strain {
             None => vec![],
@@ -377,6 +384,7 @@ impl Remesher {
         let state = FluidState {
             snapshot,
             followed: None,
+            grown_to,
             since: 0,
             volume_change,
             volume_rate: vec![],
@@ -467,6 +475,9 @@ impl Remesher {
             // From here on the matrix must be the one that was factored.
             state.followed = None;
         }
+        // A fluid that has been made to store.
+        let stores = flow.time_step().is_some();
+        state.grown_to = state.grown_to.or_else(|| stores.then(|| Place::of(context.dem)));
         let edges = edges_of(&flow, &state.snapshot, &context)?;
         self.put_to_use(flow, edges, state)?;
         if let Some(network) = &mut self.current {

@@ -19,7 +19,7 @@ use crate::dem::{ContactForces, Dem, DemOptions, DemState, Material, MaterialPai
 /// What a [`CoupledState`] says it is.
 const KIND: &str = "dempfv coupled state";
 /// To be raised when a state would no longer mean the same.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// What spheres and fluid are, and how they are computed: all that a caller
 /// chooses, and may choose anew where a state is taken up.

@@ -1,7 +1,5 @@
 //! The pore network of a periodic cell.
 
-use rayon::prelude::*;
-
 use super::cell_copies::Image;
 use super::cell_tessellation::CellTessellation;
 use super::flat_pores::FlatPores;
@@ -13,6 +11,7 @@ use super::packing_check::{check_packing_in_cell, require_finite, require_length
 use super::periodic::{PeriodicNetwork, cell_corners};
 use super::throat::ThroatRules;
 use super::{Derivatives, Fluid, Network, PfvError, Throats};
+use crate::parallel::for_each;
 use crate::{Cell, Vec3};
 
 impl Network {
@@ -55,12 +54,19 @@ impl Network {
             let problem = "is given, but the network is one between walls".to_owned();
             return Err(PfvError::InvalidInput { argument: "cell", index: None, problem });
         }
-        let volume = |&vertices: &[u32; 4]| {
-            let [a, b, c, d] = cell_corners(&vertices, position, cell);
+        let mut volume = vec![0.0; self.pores()];
+        self.write_volumes_in_cell(position, cell, &mut volume);
+        Ok(volume)
+    }
+
+    /// The same of positions that are known to fit.
+    pub(super) fn write_volumes_in_cell(&self, position: &[Vec3], cell: &Cell, volume: &mut [f64]) {
+        let cells = &self.tessellation.cells;
+        for_each(volume, &|i, volume| {
+            let [a, b, c, d] = cell_corners(&cells[i], position, cell);
             let (b, c, d) = (b - a, c - a, d - a);
-            b.dot(&c.cross(&d)) / 6.0
-        };
-        Ok(self.tessellation.cells.par_iter().map(volume).collect())
+            *volume = b.dot(&c.cross(&d)) / 6.0;
+        });
     }
 }
 

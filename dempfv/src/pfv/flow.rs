@@ -305,9 +305,7 @@ impl Flow {
             gradient,
             ..
         } = self;
-        if let Some(storage) = &mut operators.storage {
-            storage.begin(&pressures.relative);
-        }
+        operators.begin_storing(pressures.reference, &pressures.relative);
         if std::mem::take(stale_imposed) {
             operators.write_imposed(pressures.reference, &mut pressures.relative);
         }
@@ -354,9 +352,7 @@ impl Flow {
             gradient,
             ..
         } = self;
-        if let Some(storage) = &mut operators.storage {
-            storage.begin(&pressures.relative);
-        }
+        operators.begin_storing(pressures.reference, &pressures.relative);
         if std::mem::take(stale_imposed) {
             operators.write_imposed(pressures.reference, &mut pressures.relative);
         }

@@ -1,7 +1,8 @@
-//! A flow whose pores store fluid: its time step, and what outlives a network or a stop.
+//! A flow whose pores store fluid: its time step, their growth, what outlives a network or a stop.
 
 use super::flow::unknown_points;
 use super::packing_check::check_time_step;
+use super::pore_growth::Place;
 use super::storage::Storage;
 use super::{Flow, PfvError, TransferSource};
 use crate::solver::Backend;
@@ -71,5 +72,33 @@ impl Flow {
         if taken.len() == self.network.pores() {
             self.terms.restore(taken);
         }
+    }
+
+    /// Says where spheres and walls were when the growth of the pores was last taken, by another
+    /// network. Of no account where no term stores fluid.
+    ///
+    /// # Errors
+    /// [`PfvError::InvalidInput`] for positions that are not one per sphere.
+    pub(crate) fn set_grown_to(&mut self, place: Place) -> Result<(), PfvError> {
+        let Flow { network, operators, radius, .. } = self;
+        let Some(storage) = &mut operators.storage else { return Ok(()) };
+        storage.grown.measure(network, radius, place)?;
+        storage.grown.settle();
+        Ok(())
+    }
+
+    /// As [`Flow::update_volume_rate`] where a term stores fluid: the pores have grown to their volumes
+    /// at this place since the last call, and are taken to do so in the step to come. What many steps
+    /// take up is what the volumes have changed by, to round-off.
+    ///
+    /// # Errors
+    /// As [`Flow::set_grown_to`].
+    pub(crate) fn grow_to(&mut self, place: Place) -> Result<(), PfvError> {
+        let Flow { network, operators, volume_rate, radius, .. } = self;
+        let Some(storage) = &mut operators.storage else { return Ok(()) };
+        let time_step = storage.time_step();
+        storage.grown.measure(network, radius, place)?;
+        storage.grown.take(time_step, volume_rate);
+        Ok(())
     }
 }

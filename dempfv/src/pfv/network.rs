@@ -12,7 +12,7 @@ use super::pore_batch::PoreBatch;
 use super::throat::{Throat, ThroatLimit, ThroatRules, throat};
 use super::throat_batch::ThroatBatch;
 use super::{Fluid, NONE, NetworkRemarks, PeriodicNetwork, PfvError, Tessellation};
-use crate::parallel::{TASK, runs};
+use crate::parallel::{TASK, for_each, runs};
 use crate::{Aabb, Vec3};
 
 const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
@@ -144,12 +144,15 @@ impl Network {
         self.check_vertices(position, bounds)?;
         // The volume does not depend on the radii.
         let radius = vec![0.0; position.len()];
-        let frame = Frame::new(position, &radius, bounds);
+        let mut volume = vec![0.0; self.pores()];
+        self.write_volumes(&Frame::new(position, &radius, bounds), &mut volume);
+        Ok(volume)
+    }
+
+    /// The same of positions that are known to fit.
+    pub(super) fn write_volumes(&self, frame: &Frame, volume: &mut [f64]) {
         let cells = &self.tessellation.cells;
-        Ok(cells
-            .par_iter()
-            .map(|&cell| Pore::new(&frame, cell).map_or(f64::NAN, |p| p.volume))
-            .collect())
+        for_each(volume, &|i, volume| *volume = Pore::volume(frame, cells[i]));
     }
 
     /// Refuses what the vertices of this network cannot have moved to.

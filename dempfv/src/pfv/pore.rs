@@ -39,13 +39,17 @@ impl Pore {
     /// Evaluates a cell. `None` if it has no sphere or two opposite walls.
     pub fn new(frame: &Frame, cell: [u32; 4]) -> Option<Pore> {
         let roles = Roles::new(frame, cell)?;
-        let (volume, gradient) = match roles.count {
-            4 => tetrahedron(&roles),
-            3 => prism(frame, &roles),
-            2 => wedge(frame, &roles),
-            _ => corner(frame, &roles),
-        };
+        let (volume, gradient) = roles.shape(frame);
         Some(Pore { center: power_center(frame, &roles), volume, gradient })
+    }
+
+    /// The volume alone (m³), with the same bits; not a number where [`Pore::new`] has none.
+    pub fn volume(frame: &Frame, cell: [u32; 4]) -> f64 {
+        if frame.are_spheres(&cell) {
+            let [a, b, c, d] = cell.map(|v| frame.x[v as usize]);
+            return ((c - b).cross(&(d - b)) / -6.0).dot(&(a - b));
+        }
+        Roles::new(frame, cell).map_or(f64::NAN, |roles| roles.shape(frame).0)
     }
 }
 
@@ -77,6 +81,16 @@ impl Roles {
             }
         }
         Some(roles)
+    }
+
+    /// Volume and its gradient.
+    fn shape(&self, frame: &Frame) -> (f64, [Vec3; 4]) {
+        match self.count {
+            4 => tetrahedron(self),
+            3 => prism(frame, self),
+            2 => wedge(frame, self),
+            _ => corner(frame, self),
+        }
     }
 }
 

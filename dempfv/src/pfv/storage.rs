@@ -3,6 +3,7 @@
 //! A pore of capacity S (m³/Pa) takes up S (p − p') / Δt in a step of length Δt that it begins at the
 //! pressure p': S/Δt on the diagonal of `G`, S p'/Δt on the right-hand side.
 
+use super::pore_growth::Grown;
 use super::{NONE, Network, PoreConditions, SealedPores};
 use crate::parallel::{for_each, max_norm, parts};
 
@@ -20,12 +21,17 @@ pub(super) struct Storage {
     pub void: Vec<f64>,
     /// Time step (s).
     time_step: f64,
-    /// Pressure of each pore when the step began (Pa).
+    /// Pressure of each pore when the step began (Pa): at which it holds what it does by its capacity
+    /// of now.
     previous: Vec<f64>,
+    /// The capacities before the last change (m³/Pa); empty where none has come since a step began.
+    before: Vec<f64>,
     /// The sum of the rates (m³/(Pa·s)).
     whole_rate: f64,
     /// Unknowns of pores without a path to an imposed pressure, group by group.
     pub closed: Vec<Vec<u32>>,
+    /// The volumes of the pores as far as their growth is taken.
+    pub grown: Grown,
 }
 
 impl Storage {
@@ -35,11 +41,13 @@ impl Storage {
         let mut storage = Storage {
             rate: zeros.clone(),
             previous: zeros,
+            before: vec![],
             capacity,
             void,
             time_step,
             whole_rate: 0.0,
             closed: vec![],
+            grown: Grown::default(),
         };
         storage.set_time_step(time_step);
         storage
@@ -87,14 +95,23 @@ impl Storage {
 
     /// Evaluates the capacities anew, from the void volumes.
     pub fn update(&mut self, write: impl FnOnce(&[f64], &mut [f64])) {
+        self.before.clone_from(&self.capacity);
         self.capacity.fill(0.0);
         write(&self.void, &mut self.capacity);
         self.set_time_step(self.time_step);
     }
 
-    /// A step begins at these pressures (Pa).
-    pub fn begin(&mut self, pressure: &[f64]) {
+    /// A step begins at these pressures (Pa). What a pore stores above the level (Pa) stays in it where
+    /// its capacity has changed: its pressure goes the other way.
+    pub fn begin(&mut self, pressure: &[f64], level: f64) {
         self.previous.copy_from_slice(pressure);
+        let capacities = self.before.iter().zip(&self.capacity);
+        for (previous, (before, now)) in self.previous.iter_mut().zip(capacities) {
+            if *now > 0.0 {
+                *previous = level + (*previous - level) * (before / now);
+            }
+        }
+        self.before.clear();
     }
 
     /// What a pore takes up at this pressure (m³/s).

@@ -19,6 +19,14 @@ impl Operators {
         self.storage.as_deref()
     }
 
+    /// A step begins at these pressures (Pa, above the reference), where a term stores fluid.
+    pub(super) fn begin_storing(&mut self, reference: f64, pressure: &[f64]) {
+        if self.storage.is_some() {
+            let level = self.conditions().mean_pressure() - reference;
+            self.storage.iter_mut().for_each(|storage| storage.begin(pressure, level));
+        }
+    }
+
     /// Takes the storage up into the matrix whose diagonal has the conductances alone.
     pub(super) fn write_diagonal(&mut self) {
         let Operators { matrix, pore_of, storage: Some(storage), .. } = self else { return };
