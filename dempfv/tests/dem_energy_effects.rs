@@ -41,7 +41,7 @@ fn after(effects: GranularEffects, refinement: usize) -> (f64, EnergyBalance) {
 
 type Cause = fn(&EnergyBalance) -> f64;
 
-/// What is left falls with the square of the time step. Those of bonds break in some step or other: to
+/// What is left falls with the time step, to 6e-6 at most of what there was. Those of bonds break in some step or other: to
 /// first order.
 #[test]
 fn losses_are_booked_by_their_cause() {
@@ -70,8 +70,8 @@ fn losses_are_booked_by_their_cause() {
         let share = |b: &EnergyBalance| b.residual / start;
         println!("{name}: {:e} {:e} of {:e}", share(&coarse), share(&fine), cause(&fine) / start);
         assert!(cause(&fine) > 1e-4 * start, "{name}: {fine:?}");
-        let bound = if name == "bonds" { 2e-3 } else { 1.5e-5 };
+        let bound = if name == "bonds" { 2e-3 } else { 6e-6 };
         assert!(share(&fine).abs() < bound, "{name}: {fine:?}");
-        assert!(share(&fine).abs() < 0.3 * share(&coarse).abs(), "{name}: {coarse:?} {fine:?}");
+        assert!(share(&fine).abs() < 0.4 * share(&coarse).abs(), "{name}: {coarse:?} {fine:?}");
     }
 }

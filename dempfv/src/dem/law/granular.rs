@@ -461,7 +461,7 @@ impl Granular {
             jkr::lose(batch, terms, parameters, work, self.slots.contact);
         }
         if self.effects.bonds.is_some() {
-            bonds::lose(batch, terms, parameters, self.slots.bond);
+            bonds::lose::<G, TORQUES>(batch, terms, parameters, self.slots.bond);
         }
     }
 
