@@ -458,7 +458,7 @@ impl Granular {
             restitution::lose::<G, TORQUES>(batch, terms, self.slots.viscous);
         }
         if let Some(work) = self.jkr_work() {
-            jkr::lose(batch, terms, parameters, work, self.slots.contact);
+            jkr::lose::<G, TORQUES>(batch, terms, parameters, work, self.slots.contact);
         }
         if self.effects.bonds.is_some() {
             bonds::lose::<G, TORQUES>(batch, terms, parameters, self.slots.bond);
