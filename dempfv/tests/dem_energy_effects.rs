@@ -41,8 +41,8 @@ fn after(effects: GranularEffects, refinement: usize) -> (f64, EnergyBalance) {
 
 type Cause = fn(&EnergyBalance) -> f64;
 
-/// What is left falls with the square of the time step. Those of bonds break in some step or other: to
-/// first order.
+/// What is left falls with the time step, to 6e-6 at most of what there was; with bonds it is
+/// round-off.
 #[test]
 fn losses_are_booked_by_their_cause() {
     let none = GranularEffects::default();
@@ -70,8 +70,9 @@ fn losses_are_booked_by_their_cause() {
         let share = |b: &EnergyBalance| b.residual / start;
         println!("{name}: {:e} {:e} of {:e}", share(&coarse), share(&fine), cause(&fine) / start);
         assert!(cause(&fine) > 1e-4 * start, "{name}: {fine:?}");
-        let bound = if name == "bonds" { 2e-3 } else { 1.5e-5 };
+        let bound = if name == "bonds" { 1e-12 } else { 6e-6 };
         assert!(share(&fine).abs() < bound, "{name}: {fine:?}");
-        assert!(share(&fine).abs() < 0.3 * share(&coarse).abs(), "{name}: {coarse:?} {fine:?}");
+        let falls = share(&fine).abs() < 0.4 * share(&coarse).abs();
+        assert!(falls || name == "bonds", "{name}: {coarse:?} {fine:?}");
     }
 }

@@ -215,17 +215,18 @@ impl Rigid {
             body.orientation = self.course.turn.turned(&body.orientation);
         }
         if tracks {
-            self.book(particles, (loads, step), before, damped);
+            self.book(particles, (loads, step), before, (force, torque), damped);
         }
     }
 
     /// Books what was done to the body, which had this velocity (m/s) and these kinetic energies (J)
-    /// before; `damped` is what local damping took off force and torque (N, N m).
+    /// before; `damped` is what local damping took off its force and torque (N, N m).
     fn book(
         &mut self,
         particles: &Particles,
         (loads, step): (Loads<'_>, &Step),
         (velocity, kinetic): (Vec3, [f64; 2]),
+        (force, torque): (Vec3, Vec3),
         damped: (Vec3, Vec3),
     ) {
         let Rigid { body, places, course, motion } = self;
@@ -248,6 +249,10 @@ impl Rigid {
             let gained = body.kinetic_energy().iter().sum::<f64>() - kinetic.iter().sum::<f64>();
             let by_gravity = body.mass * step.gravity.dot(&way);
             work.motion = gained - (work.fluid + work.external + by_contacts + by_gravity);
+        } else {
+            let push = force + body.mass * step.gravity - damped.0;
+            let power = push.dot(&velocity) + (torque - damped.1).dot(&particles.spin[places[0]]);
+            work.step_change = step.excess() * power;
         }
         course.work = work;
     }

@@ -4,8 +4,10 @@
 //! kinetic energy in a step is exactly the work of the forces over the mean of the two velocities.
 //! Each cause books that work; elastic energy and that of gravity are taken at the same half step,
 //! from the positions before and after it. Work is the mean force over half the way of the step
-//! before and half that of the step after: also where their lengths differ. What is left over is what the time integration has made
-//! or lost: [`EnergyBalance::residual`].
+//! before and half that of the step after: also where their lengths differ. Three things that time
+//! integration makes or loses have names of their own, and a formula each that knows nothing of the sum:
+//! steps across which bodies begin or cease to touch, in which contacts turn, and that are not as long as
+//! the one before. What is left over it has made or lost in other ways: [`EnergyBalance::residual`].
 
 use serde::Serialize;
 
@@ -56,6 +58,12 @@ pub struct EnergyBalance {
     /// Lost (made, where negative) by time steps across which bodies begin or cease to touch. It
     /// shrinks with the square of the time step.
     pub touch_change: f64,
+    /// Lost (made, where negative) by time steps in which contacts turn: forces act along the directions
+    /// of before and after, springs follow those of after. It shrinks with the time step.
+    pub turning: f64,
+    /// Lost (made, where negative) by changes of the time step: a velocity takes the whole of each step,
+    /// of which the half before the forces had the length of the last one.
+    pub step_change: f64,
     /// Dissipated by local damping.
     pub local_damping: f64,
     /// Dissipated between neighbours by viscous shear of the fluid.
@@ -101,6 +109,8 @@ impl EnergyBalance {
             + self.rolling
             + self.breakage
             + self.touch_change
+            + self.turning
+            + self.step_change
             + self.local_damping
             + self.viscous_shear
             + self.normal_lubrication
@@ -122,8 +132,15 @@ impl Dem {
             // What dashpots do in the second half of the last step is booked in the next.
             let began_with = self.energy_now().iter().sum::<f64>() + self.damping_half_way();
             let (losses, work, films) = Default::default();
-            let ledger =
-                Ledger { began_with, losses, work, films, walls: 0.0, cell: 0.0, last_dt: 0.0 };
+            let ledger = Ledger {
+                began_with,
+                losses,
+                work,
+                films,
+                walls: 0.0,
+                cell: 0.0,
+                last_dt: self.pending_dt,
+            };
             self.ledger = Some(ledger);
         }
     }
@@ -147,6 +164,8 @@ impl Dem {
             rolling: losses.rolling,
             breakage: losses.breakage,
             touch_change: losses.touch_change,
+            turning: losses.turning,
+            step_change: work.step_change,
             local_damping: work.damping,
             viscous_shear: films.viscous_shear,
             normal_lubrication: films.normal_lubrication,
@@ -257,6 +276,13 @@ impl Dem {
             Other::Wall(_) => -dt * velocity.dot(&normal),
         };
         let slip = slip(dt, &velocity, &rim, &normal);
+        if overlap < 0.0 && self.law.cut_off() == 0.0 {
+            // It ends in this step: less the work of its last force over half the way.
+            let last = Touch { surfaces, overlap: overlap - closing };
+            let force = self.law.force(&last, place.history);
+            let work = 0.5 * (force.shear.dot(&slip) - force.normal * closing);
+            return self.law.elastic_energy(&last, place.history) - work;
+        }
         let half_way = Touch { surfaces, overlap: overlap - 0.5 * closing };
         let stiffness = self.law.stiffness(&half_way).normal;
         let shear = self.law.force(&half_way, place.history).shear;
@@ -271,9 +297,9 @@ impl Dem {
         }
     }
 
-    /// Length of the step before one of `dt`, where that is known (s).
+    /// Length of the step before one of `dt`, where energy is tracked (s).
     pub(crate) fn last_dt(&self, dt: f64) -> f64 {
-        self.ledger.map_or(dt, |ledger| if ledger.last_dt > 0.0 { ledger.last_dt } else { dt })
+        self.ledger.map_or(dt, |ledger| ledger.last_dt)
     }
 
     /// Books what the cell does against the contacts in a step of `dt` (s): over half the way of the
@@ -312,6 +338,11 @@ impl Dem {
             sums.iter_mut().zip(works).for_each(|(sum, work)| sum.join(work));
         }
         sums.iter().for_each(|sum| ledger.work.join(sum));
+        if last_dt == 0.0 {
+            // Tracking began between pass and step, with velocities half a step older than contacts:
+            // what the forces do until then was there.
+            ledger.began_with -= std::mem::take(&mut ledger.work.step_change);
+        }
         for wall in WallId::ALL {
             let way = 0.5 * (last_dt * before[wall] + dt * self.walls[wall].velocity);
             ledger.walls -= self.wall_sums[wall].force[wall.axis()] * way;

@@ -46,6 +46,14 @@ pub(super) struct Step {
     pub rotation: bool,
 }
 
+impl Step {
+    /// Half of what the step before was longer (s).
+    #[inline(always)]
+    pub fn excess(&self) -> f64 {
+        0.5 * (self.last_dt - self.dt)
+    }
+}
+
 /// What acts on the spheres in a step.
 #[derive(Clone, Copy)]
 pub(super) struct Loads<'a> {
@@ -272,6 +280,7 @@ impl MoveSpan<'_> {
                     fluid: self.fluid.get(k).map_or(0.0, |fluid| fluid.dot(&way)),
                     external: if EXTERNAL { self.external_force[k].dot(&way) } else { 0.0 },
                     motion: 0.0,
+                    step_change: step.excess() * self.mass[k] * a.dot(&self.velocity[k]),
                 };
             }
             let [x, y, z, radius] = self.centre[k];
@@ -300,6 +309,7 @@ impl MoveSpan<'_> {
                     let turn = 0.5 * (step.last_dt * self.spin[k] + dt * spin);
                     let inertia = 0.4 * self.mass[k] * radius * radius;
                     work.damping += inertia * (undamped - a).dot(&turn);
+                    work.step_change += step.excess() * inertia * a.dot(&self.spin[k]);
                     work.fluid += self.fluid_torque.get(k).map_or(0.0, |fluid| fluid.dot(&turn));
                     if EXTERNAL {
                         work.external += self.external_torque[k].dot(&turn);

@@ -17,6 +17,8 @@ pub(super) struct MotionWork {
     pub external: f64,
     /// Done by what gives spheres their motion.
     pub motion: f64,
+    /// Lost where the step is shorter than the one before, made where it is longer.
+    pub step_change: f64,
 }
 
 impl MotionWork {
@@ -26,6 +28,7 @@ impl MotionWork {
         self.fluid += other.fluid;
         self.external += other.external;
         self.motion += other.motion;
+        self.step_change += other.step_change;
     }
 }
 
@@ -82,10 +85,10 @@ pub(super) struct Ledger {
 impl Ledger {
     pub fn check(&self) -> Result<(), DemError> {
         let Ledger { began_with, losses, work, films, walls, cell, last_dt } = self;
-        let MotionWork { damping, fluid, external, motion } = work;
+        let MotionWork { damping, fluid, external, motion, step_change } = work;
         let films = films.dissipated() + films.elastic;
         let works = [*damping, *fluid, *external, *motion, *walls, *cell, films];
-        let rest = [*began_with, losses.total(), *last_dt];
+        let rest = [*began_with, losses.total(), *step_change, *last_dt];
         works.into_iter().chain(rest).try_for_each(|energy| finite("energy ledger", energy))
     }
 }

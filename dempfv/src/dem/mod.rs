@@ -50,6 +50,7 @@ mod clumping;
 mod clumps;
 mod compiled;
 mod contact_forces;
+mod contact_step;
 mod contacts;
 mod damping;
 mod driving;

@@ -25,6 +25,18 @@ pub(super) struct Input<'a> {
     pub tracks_energy: bool,
 }
 
+impl Input<'_> {
+    /// Index of the material of a sphere.
+    pub fn material_at(&self, i: u32) -> u16 {
+        self.material.get(i as usize).copied().unwrap_or(0)
+    }
+
+    /// What a sphere turned by in the last step (rad).
+    pub fn turn(&self, i: u32) -> Vec3 {
+        if self.rotation { self.dt * self.spin[i as usize] } else { Vec3::zeros() }
+    }
+}
+
 /// Index of the material of a body; the list is empty where all are of the first, which only
 /// general kernels meet.
 #[inline(always)]

@@ -2,13 +2,15 @@
 //! batches, evaluated, and their forces handed to the spheres.
 
 use super::cell_pass::CellSum;
+use super::contact_step::ContactStep;
 use super::law::vector::dot;
 use super::law::{
-    Batch, CONTACTS_PER_BATCH, ContactLaw, History, SpherePairs, TwoSpheres, get, put,
+    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, Loss, SpherePairs, TwoSpheres, get,
+    put,
 };
 use super::parameters::ParameterTable;
 use super::pass_input::{Input, material_of};
-use super::touch_change::{TouchChange, slip};
+use super::touch_change::TouchChange;
 use crate::Vec3;
 
 /// Force and torque on the second sphere of a pair that crosses blocks.
@@ -75,6 +77,9 @@ impl SpherePairRange<'_> {
                     sum.add_batch(law, batch, |_| only);
                 }
             }
+            if batch.tracks_energy && batch.dt != 0.0 {
+                self.book_turning::<L, MOTION, TORQUES, PERIODIC>(batch, (law, table), input);
+            }
             self.scatter::<L, MOTION, TORQUES>(batch, length);
         }
     }
@@ -129,31 +134,68 @@ impl SpherePairRange<'_> {
         input: &Input<'_>,
     ) {
         let length = law.history_length();
-        let history = &mut self.history[slot * length..][..length];
         if batch.tracks_energy {
-            let [i, j] = self.pairs[slot].map(|k| k as usize);
-            let (a, b) = (input.centre[i], input.centre[j]);
-            let mut apart = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-            let mut velocity = input.velocity[j] - input.velocity[i];
-            if let (true, Some(cell)) = (PERIODIC, input.cell) {
-                apart += cell.shift(self.image[slot]);
-                velocity = cell.with_mean_field(velocity.into(), apart.into()).into();
-            }
-            let rim = a[3] * input.spin[i] + b[3] * input.spin[j];
-            let slip = slip(input.dt, &velocity, &rim, &apart.normalize());
-            let now = (a[3] + b[3]) - apart.norm();
-            let before = (a[3] + b[3]) - (apart - input.dt * velocity).norm();
-            let material = |k: usize| input.material.get(k).copied().unwrap_or(0);
-            let parameters = table.spheres(material(i), material(j));
-            let radii = TwoSpheres(a[3], b[3]);
-            let change = TouchChange { radii, now, before, history, slip };
+            let [first, second] = self.pairs[slot].map(|k| input.material_at(k));
+            let parameters = table.spheres(first, second);
+            let step = self.step::<PERIODIC>(slot, input);
+            let [a, b] = self.pairs[slot].map(|k| input.centre[k as usize][3]);
+            let history = &self.history[slot * length..][..length];
+            let change = TouchChange { radii: TwoSpheres(a, b), step, history };
             change.book(law, &parameters, &mut batch.losses);
         }
         if !self.touch[slot] {
-            history.fill(0.0);
+            self.history[slot * length..][..length].fill(0.0);
             if let Some(sent) = &mut self.sent {
                 sent[slot] = [0.0; 6];
             }
+        }
+    }
+
+    /// The pair in the last step.
+    fn step<const PERIODIC: bool>(&self, slot: usize, input: &Input<'_>) -> ContactStep {
+        let [i, j] = self.pairs[slot].map(|k| k as usize);
+        let (a, b) = (input.centre[i], input.centre[j]);
+        let mut apart = Vec3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+        let mut velocity = input.velocity[j] - input.velocity[i];
+        if let (true, Some(cell)) = (PERIODIC, input.cell) {
+            apart += cell.shift(self.image[slot]);
+            velocity = cell.with_mean_field(velocity.into(), apart.into()).into();
+        }
+        let turns = self.pairs[slot].map(|k| input.turn(k));
+        ContactStep::of_spheres([a[3], b[3]], apart, input.dt * velocity, turns)
+    }
+
+    /// Books what the batch loses by turning, after the law has evaluated it.
+    #[inline(never)]
+    fn book_turning<
+        L: ContactLaw,
+        const MOTION: bool,
+        const TORQUES: bool,
+        const PERIODIC: bool,
+    >(
+        &self,
+        batch: &mut PairBatch<L>,
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+    ) {
+        let length = law.history_length();
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let slot = batch.slot[l] as usize;
+            let step = self.step::<PERIODIC>(slot, input);
+            let [first, second] = batch.bodies[l].map(|k| input.material_at(k));
+            let (parameters, radii) = (table.spheres(first, second), batch.geometry.radii(l));
+            let kept = L::History::read(&self.history[slot * length..][..length]);
+            let history = if MOTION { L::History::of(&batch.history, l) } else { kept };
+            let [before, now] = [(step.before, kept), (step.now, history)]
+                .map(|(at, history)| law.force(&parameters, radii, at.overlap, &history));
+            // Laws may name a force beyond their reach.
+            let pushed = if step.before.overlap > -law.cut_off() { before.normal } else { 0.0 };
+            let mut lost = step.lost_by_turning([pushed, now.normal]);
+            if MOTION {
+                let sliding = batch.geometry.sliding::<TORQUES>(l, batch.dt);
+                lost += step.lost_by_turning_shear([before.shear, now.shear], &sliding);
+            }
+            batch.losses.add(Loss::Turning, lost);
         }
     }
 

@@ -1,17 +1,14 @@
 //! What energy a step loses in which two bodies begin or cease to touch.
 
+use super::contact_step::ContactStep;
 use super::law::{ContactLaw, History, Loss, Losses, Radii};
 use crate::Vec3;
 
 /// A contact that begins or ends in a step.
 pub(super) struct TouchChange<'a, R> {
     pub radii: R,
-    /// Overlaps after and before the step (m); one of them is negative.
-    pub now: f64,
-    pub before: f64,
+    pub step: ContactStep,
     pub history: &'a [f64],
-    /// Slip of the second body in the step (m).
-    pub slip: Vec3,
 }
 
 impl<R: Radii> TouchChange<'_, R> {
@@ -23,7 +20,9 @@ impl<R: Radii> TouchChange<'_, R> {
     /// is lost to friction. Dashpots act over half the last way. Laws that act
     /// across a gap book what their springs lose themselves.
     pub fn book<L: ContactLaw>(&self, law: &L, parameters: &L::Parameters, losses: &mut Losses) {
-        let TouchChange { radii, now, before, history, slip } = *self;
+        let TouchChange { radii, ref step, history } = *self;
+        let (now, before) = (step.now.overlap, step.before.overlap);
+        let slip = step.slip(&step.before);
         let history = L::History::read(history);
         losses.add(Loss::ContactDamping, -0.5 * law.viscous_force(&history).dot(&slip));
         let force = |overlap| law.force(parameters, radii, overlap, &history);
@@ -35,6 +34,7 @@ impl<R: Radii> TouchChange<'_, R> {
         } else {
             let last = force(before);
             losses.add(Loss::TouchChange, 0.5 * last.normal * now.min(0.0));
+            losses.add(Loss::Turning, step.lost_by_turning([last.normal, 0.0]));
             let left = law.elastic_energy(parameters, radii, 0.0, &history);
             losses.add(Loss::Friction, left - 0.5 * last.shear.dot(&slip));
         }

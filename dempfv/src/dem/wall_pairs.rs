@@ -1,14 +1,15 @@
 //! The sphere-wall pairs of one block, gathered, evaluated and handed on as
 //! the pairs of spheres are.
 
+use super::contact_step::ContactStep;
 use super::law::{
-    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, SphereOnPlane, SpheresOnWalls, get,
-    put,
+    Batch, CONTACTS_PER_BATCH, ContactLaw, Geometry, History, Loss, SphereOnPlane, SpheresOnWalls,
+    get, put,
 };
 use super::neighbours::WallPair;
 use super::parameters::ParameterTable;
 use super::pass_input::{Input, material_of};
-use super::touch_change::{TouchChange, slip};
+use super::touch_change::TouchChange;
 use crate::{Effect, EffectKey, Family};
 use crate::{PerWall, Vec3, WallId};
 
@@ -76,9 +77,15 @@ impl WallPairRange<'_> {
                 let (bodies, material) = (batch.bodies, input.material);
                 let parameters = |l: usize| table.wall(material_of::<L>(material, bodies[l][0]));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
+                if MOTION && batch.tracks_energy && batch.dt != 0.0 {
+                    self.book_turning::<L, TORQUES>(batch, (law, table), input);
+                }
                 self.scatter::<L, MOTION, TORQUES>(law, parameters, batch, &mut sums);
             } else {
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
+                if MOTION && batch.tracks_energy && batch.dt != 0.0 {
+                    self.book_turning::<L, TORQUES>(batch, (law, table), input);
+                }
                 self.scatter::<L, MOTION, TORQUES>(law, |_| only, batch, &mut sums);
             }
         }
@@ -132,24 +139,50 @@ impl WallPairRange<'_> {
         input: &Input<'_>,
     ) {
         let length = law.history_length();
-        let history = &mut self.history[slot * length..][..length];
         if batch.tracks_energy {
-            let WallPair { i, wall } = self.pairs[slot];
-            let (i, axis, plane) = (i as usize, wall.axis(), &input.walls[wall]);
-            let centre = input.centre[i];
-            let now = centre[3] - (centre[axis] - plane.position) * wall.inward();
-            let mut velocity = -input.velocity[i];
-            velocity[axis] += plane.velocity;
-            let before = now - input.dt * velocity[axis] * wall.inward();
-            let rim = centre[3] * input.spin[i];
-            let slip = slip(input.dt, &velocity, &rim, &-wall.inward_normal());
-            let parameters = table.wall(input.material.get(i).copied().unwrap_or(0));
-            let radii = SphereOnPlane(centre[3]);
-            let change = TouchChange { radii, now, before, history, slip };
+            let (sphere, step) = self.step(slot, input);
+            let parameters = table.wall(input.material_at(sphere));
+            let radii = SphereOnPlane(input.centre[sphere as usize][3]);
+            let history = &self.history[slot * length..][..length];
+            let change = TouchChange { radii, step, history };
             change.book(law, &parameters, &mut batch.losses);
         }
         if !self.touch[slot] {
-            history.fill(0.0);
+            self.history[slot * length..][..length].fill(0.0);
+        }
+    }
+
+    /// The sphere of a pair, and the pair in the last step.
+    fn step(&self, slot: usize, input: &Input<'_>) -> (u32, ContactStep) {
+        let WallPair { i, wall } = self.pairs[slot];
+        let (centre, plane) = (input.centre[i as usize], &input.walls[wall]);
+        let distance = (centre[wall.axis()] - plane.position) * wall.inward();
+        let mut velocity = -input.velocity[i as usize];
+        velocity[wall.axis()] += plane.velocity;
+        let place = (-wall.inward_normal(), distance);
+        (i, ContactStep::on_wall(centre[3], place, input.dt * velocity, input.turn(i)))
+    }
+
+    /// Books what the batch loses by turning, after the law has evaluated it. Normals do not turn.
+    #[inline(never)]
+    fn book_turning<L: ContactLaw, const TORQUES: bool>(
+        &self,
+        batch: &mut WallBatch<L>,
+        (law, table): (&L, &ParameterTable<L>),
+        input: &Input<'_>,
+    ) {
+        let length = law.history_length();
+        for l in 0..batch.count.min(CONTACTS_PER_BATCH) {
+            let slot = batch.slot[l] as usize;
+            let (sphere, step) = self.step(slot, input);
+            let (parameters, radii) =
+                (table.wall(input.material_at(sphere)), batch.geometry.radii(l));
+            let before = L::History::read(&self.history[slot * length..][..length]);
+            let now = L::History::of(&batch.history, l);
+            let shears = [(step.before, before), (step.now, now)]
+                .map(|(at, history)| law.force(&parameters, radii, at.overlap, &history).shear);
+            let sliding = batch.geometry.sliding::<TORQUES>(l, batch.dt);
+            batch.losses.add(Loss::Turning, step.lost_by_turning_shear(shears, &sliding));
         }
     }
 

@@ -139,7 +139,7 @@ static REMESH: [Entry; 17] = [
     ),
 ];
 
-static ENERGY: [Entry; 22] = [
+static ENERGY: [Entry; 24] = [
     entry(
         "energy.translation",
         "J",
@@ -158,6 +158,17 @@ static ENERGY: [Entry; 22] = [
         "energy.touch_change",
         "J",
         "Lost by steps across which bodies begin or cease to touch; negative where made.",
+    ),
+    entry(
+        "energy.turning",
+        "J",
+        "Lost by steps in which contacts turn, since springs follow the directions after each step and \
+         forces act along those before it, too; negative where made.",
+    ),
+    entry(
+        "energy.step_change",
+        "J",
+        "Lost where a time step is shorter than the one before; negative where made.",
     ),
     entry("energy.local_damping", "J", "Dissipated by local damping."),
     entry("energy.fluid_work", "J", "Work of the fluid on the spheres."),

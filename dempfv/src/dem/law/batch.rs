@@ -50,6 +50,8 @@ pub trait History: Copy + Debug + Send + Sync + 'static {
     fn load(lanes: &mut Self::Lanes, l: usize, from: &[f64]);
     /// Writes the history of contact `l` to the numbers of the contact.
     fn store(lanes: &Self::Lanes, l: usize, to: &mut [f64]);
+    /// The history of contact `l`.
+    fn of(lanes: &Self::Lanes, l: usize) -> Self;
     /// The history in the numbers of a contact.
     fn read(from: &[f64]) -> Self;
     /// Writes a history to the numbers of a contact.
@@ -77,6 +79,10 @@ impl<const N: usize> History for [f64; N] {
         for (lane, x) in lanes.iter().zip(&mut to[..N]) {
             *x = lane[l];
         }
+    }
+
+    fn of(lanes: &[Lane; N], l: usize) -> [f64; N] {
+        std::array::from_fn(|k| lanes[k][l])
     }
 
     fn read(from: &[f64]) -> [f64; N] {
@@ -115,6 +121,10 @@ impl<const N: usize> History for UpTo<N> {
         for (lane, x) in lanes.iter().zip(to) {
             *x = lane[l];
         }
+    }
+
+    fn of(lanes: &[Lane; N], l: usize) -> UpTo<N> {
+        UpTo(std::array::from_fn(|k| lanes[k][l]))
     }
 
     fn read(from: &[f64]) -> UpTo<N> {

@@ -153,33 +153,41 @@ pub(super) fn remember<G: Geometry>(batch: &Batch<G, Memory>, terms: &mut Terms,
     terms.before = [batch.history[slot], batch.history[slot + 1]];
 }
 
-/// The elastic energy of the springs of bonds that have broken.
+/// What springs lose that break, or that begin or cease to act within the step: what they held, less
+/// the work of the mean of their forces before and after. Friction has the shear of a pair that parts.
 #[inline(always)]
-pub(super) fn lose<G: Geometry>(
+pub(super) fn lose<G: Geometry, const TORQUES: bool>(
     batch: &mut Batch<G, Memory>,
     terms: &Terms,
     parameters: impl Fn(usize) -> GranularParameters,
     slot: usize,
 ) {
-    let mut lost = ZERO_LANE;
+    let (mut torn, mut parted, mut slipped) = (ZERO_LANE, ZERO_LANE, ZERO_LANE);
     for l in batch.lanes() {
         let stiffness = batch.geometry.radii(l).reduced(parameters(l).modulus);
-        let overlap = batch.geometry.overlap(l);
-        let energy = |bond: Bond| {
-            let compression = bond.compression(overlap);
-            0.5 * stiffness * compression * compression
-        };
-        let before = Bond([terms.before[0][l], terms.before[1][l]]);
-        let now = load(batch, slot, l);
-        let turned = get(&terms.turned, l);
-        let sheared = 0.5 * terms.ratio[l] * dot(turned, turned);
-        // Where friction is left, it has the shear force's energy.
-        let torn = before.intact() && !now.intact() && terms.stiffness[l] == 0.0;
+        let (bond, now) = (Bond([terms.before[0][l], terms.before[1][l]]), load(batch, slot, l));
+        let (from, to) = (batch.geometry.overlap_before(l, batch.dt), batch.geometry.overlap(l));
+        let (first, second) = (bond.compression(from), now.compression(to));
+        let held = 0.5 * stiffness * (first * first - second * second);
+        let pressed = held - 0.5 * stiffness * (first + second) * (from - to);
+        let followed = scaled(terms.ratio[l].sqrt(), get(&terms.turned, l));
+        let slip = batch.geometry.sliding::<TORQUES>(l, batch.dt).slip;
         let shear_stiffness = parameters(l).shear_ratio * stiffness;
-        let sheared = if torn && sheared > 0.0 { sheared / shear_stiffness } else { 0.0 };
-        lost[l] = energy(before) - energy(now) + sheared;
+        // A spring that still acts has been asked by friction.
+        let sheared = if terms.stiffness[l] == 0.0 && shear_stiffness > 0.0 {
+            0.5 * (dot(followed, followed) / shear_stiffness - dot(followed, slip))
+        } else {
+            0.0
+        };
+        if bond.intact() && !now.intact() {
+            torn[l] = pressed + sheared;
+        } else {
+            (parted[l], slipped[l]) = (pressed, sheared);
+        }
     }
-    batch.book(Loss::Breakage, &lost);
+    batch.book(Loss::Breakage, &torn);
+    batch.book(Loss::TouchChange, &parted);
+    batch.book(Loss::Friction, &slipped);
 }
 
 /// What friction goes with: not with tension, which takes from the strength.

@@ -96,6 +96,9 @@ pub trait Geometry {
     /// they do not touch, which only a law with a cut-off meets.
     fn overlap(&self, l: usize) -> f64;
 
+    /// The same before the last step, of `dt` (s). Only where the law asked for the motion.
+    fn overlap_before(&self, l: usize, dt: f64) -> f64;
+
     /// Velocity of the second body's centre, or of the wall, relative to the
     /// first's centre (m/s). Only where the law asked for the motion.
     fn velocity(&self, l: usize) -> Vector;
@@ -179,6 +182,12 @@ impl Geometry for SpherePairs {
     #[inline(always)]
     fn overlap(&self, l: usize) -> f64 {
         self.overlap[l]
+    }
+
+    #[inline(always)]
+    fn overlap_before(&self, l: usize, dt: f64) -> f64 {
+        let apart = add_scaled(get(&self.apart, l), -dt, get(&self.velocity, l));
+        (self.radius[0][l] + self.radius[1][l]) - dot(apart, apart).sqrt()
     }
 
     #[inline(always)]
@@ -277,6 +286,11 @@ impl Geometry for SpheresOnWalls {
     #[inline(always)]
     fn overlap(&self, l: usize) -> f64 {
         self.overlap[l]
+    }
+
+    #[inline(always)]
+    fn overlap_before(&self, l: usize, dt: f64) -> f64 {
+        self.overlap[l] + dt * dot(get(&self.velocity, l), get(&self.normal, l))
     }
 
     #[inline(always)]

@@ -458,10 +458,10 @@ impl Granular {
             restitution::lose::<G, TORQUES>(batch, terms, self.slots.viscous);
         }
         if let Some(work) = self.jkr_work() {
-            jkr::lose(batch, terms, parameters, work, self.slots.contact);
+            jkr::lose::<G, TORQUES>(batch, terms, parameters, work, self.slots.contact);
         }
         if self.effects.bonds.is_some() {
-            bonds::lose(batch, terms, parameters, self.slots.bond);
+            bonds::lose::<G, TORQUES>(batch, terms, parameters, self.slots.bond);
         }
     }
 

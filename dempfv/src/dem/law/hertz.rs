@@ -117,6 +117,13 @@ pub(super) fn lost_share(growth: f64) -> f64 {
     }
 }
 
+/// What of the force over the step went with the parts that no longer touch, over the force of now: it
+/// has done half the work of the step.
+#[inline(always)]
+pub(super) fn gone_share(growth: f64) -> f64 {
+    if growth > 0.0 && growth < 1.0 { 1.0 / growth - 1.0 } else { 0.0 }
+}
+
 /// How the contact radius has grown in the step: a² = R* δ, and δ was the rate of separation times
 /// the step larger.
 #[inline(always)]

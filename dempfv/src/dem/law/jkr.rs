@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::batch::{Batch, ZERO_LANE};
+use super::batch::{Batch, ZERO_LANE, get};
 use super::geometry::{Geometry, Radii};
 use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
+use super::vector::dot;
 use crate::effect::{Effect, EffectKey, Family};
 
 /// JKR adhesion, as an effect.
@@ -139,26 +140,37 @@ pub(super) fn press<G: Geometry>(
     }
 }
 
-/// What is lost where a contact begins, which pulls at once, and where it tears.
+/// What is lost where a contact begins, which pulls at once, and where it tears: the energy that it
+/// had, less the work of the mean of its forces before and after. Friction has the shear of one that tears.
 #[inline(always)]
-pub(super) fn lose<G: Geometry>(
+pub(super) fn lose<G: Geometry, const TORQUES: bool>(
     batch: &mut Batch<G, Memory>,
     terms: &Terms,
     parameters: impl Fn(usize) -> GranularParameters,
     work: f64,
     slot: usize,
 ) {
-    let mut lost = ZERO_LANE;
+    let (mut lost, mut slipped) = (ZERO_LANE, ZERO_LANE);
     for l in batch.lanes() {
-        let contact = Jkr::new(parameters(l).modulus, work, batch.geometry.radii(l));
-        let (was, is) = (terms.before[0][l] > 0.0, batch.history[slot][l] > 0.0);
-        lost[l] = match (was, is) {
-            (false, true) => -contact.energy(batch.geometry.overlap(l)),
-            (true, false) => contact.energy(contact.least_overlap()),
-            _ => 0.0,
-        };
+        let p = parameters(l);
+        let contact = Jkr::new(p.modulus, work, batch.geometry.radii(l));
+        let (radius, is) = (terms.before[0][l], batch.history[slot][l] > 0.0);
+        let (from, to) = (batch.geometry.overlap_before(l, batch.dt), batch.geometry.overlap(l));
+        let force = |overlap| contact.forces(overlap)[0] - contact.forces(overlap)[1];
+        match (radius > 0.0, is) {
+            (false, true) => lost[l] = -contact.energy(to) - 0.5 * force(to) * (from - to),
+            (true, false) => {
+                lost[l] = contact.energy(from) - 0.5 * force(from) * (from - to);
+                let (shear, stiffness) = (get(&terms.turned, l), 2.0 * p.modulus * radius);
+                let slip = batch.geometry.sliding::<TORQUES>(l, batch.dt).slip;
+                let held = dot(shear, shear) / (p.shear_ratio * stiffness);
+                slipped[l] = 0.5 * (held - dot(shear, slip));
+            }
+            _ => {}
+        }
     }
     batch.book(Loss::Breakage, &lost);
+    batch.book(Loss::Friction, &slipped);
 }
 
 /// What friction goes with: F_n + 2 F_c.

@@ -15,6 +15,8 @@ pub enum Loss {
     Breakage,
     /// Time steps across which two bodies begin or cease to touch: lost, or made where negative.
     TouchChange,
+    /// Time steps in which contacts turn: lost, or made where negative.
+    Turning,
 }
 
 /// Energy dissipated (J) by each cause.
@@ -30,6 +32,8 @@ pub struct Losses {
     pub breakage: f64,
     /// By [`Loss::TouchChange`].
     pub touch_change: f64,
+    /// By [`Loss::Turning`].
+    pub turning: f64,
 }
 
 impl Losses {
@@ -42,6 +46,7 @@ impl Losses {
             Loss::Rolling => &mut self.rolling,
             Loss::Breakage => &mut self.breakage,
             Loss::TouchChange => &mut self.touch_change,
+            Loss::Turning => &mut self.turning,
         } += energy;
     }
 
@@ -52,10 +57,12 @@ impl Losses {
         self.rolling += other.rolling;
         self.breakage += other.breakage;
         self.touch_change += other.touch_change;
+        self.turning += other.turning;
     }
 
     /// All of them (J).
     pub fn total(&self) -> f64 {
-        self.friction + self.contact_damping + self.rolling + self.breakage + self.touch_change
+        let Losses { friction, contact_damping, rolling, breakage, touch_change, turning } = self;
+        friction + contact_damping + rolling + breakage + touch_change + turning
     }
 }

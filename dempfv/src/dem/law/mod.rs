@@ -42,3 +42,4 @@ pub use loss::{Loss, Losses};
 pub use resistance::Resistance;
 pub use restitution::Restitution;
 pub use terms::{GranularParameters, Memory, Terms};
+pub(in crate::dem) use turn::turned;

@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
-use super::hertz::{kept_force, lost_share};
+use super::hertz::{gone_share, kept_force, lost_share};
 use super::loss::Loss;
 use super::resistance::Resistance;
 use super::terms::{GranularParameters, Memory, Terms};
@@ -113,7 +113,8 @@ pub(super) fn lose<G: Geometry>(
         let force = force(batch, terms, &parameters(l), (resistance, now), l);
         let drag = add_scaled(force, -1.0, now);
         let slid = dot(add_scaled(before, 1.0, now), add_scaled(trial, -1.0, now));
-        let changed = lost_share(terms.growth[l]) * dot(before, before);
+        let changed = lost_share(terms.growth[l]) * dot(before, before)
+            - gone_share(terms.growth[l]) * dot(before, add_scaled(before, -1.0, trial));
         let spring = resistance.spring(terms.stiffness[l]);
         let lost_by_spring = if spring > 0.0 { 0.5 * (slid + changed) / spring } else { 0.0 };
         lost[l] = lost_by_spring - batch.dt * dot(drag, rolling_velocity(batch, l));

@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::Geometry;
-use super::hertz::lost_share;
+use super::hertz::{gone_share, lost_share};
 use super::loss::Loss;
 use super::terms::{GranularParameters, Memory, Terms};
 use super::turn::turn;
@@ -86,8 +86,9 @@ pub(super) fn lose<G: Geometry>(
         let trial = add_scaled(before, -1.0, get(&terms.loss, l));
         let now = [0, 1, 2].map(|k| batch.history[k][l]);
         let slid = dot(add_scaled(before, 1.0, now), add_scaled(trial, -1.0, now));
-        let share = if hertz { lost_share(terms.growth[l]) } else { 0.0 };
-        let changed = share * dot(before, before);
+        let growth = if hertz { terms.growth[l] } else { 0.0 };
+        let changed = lost_share(growth) * dot(before, before)
+            - gone_share(growth) * dot(before, get(&terms.loss, l));
         let stiffness = parameters(l).shear_ratio * terms.stiffness[l];
         lost[l] = if stiffness > 0.0 { 0.5 * (slid + changed) / stiffness } else { 0.0 };
     }

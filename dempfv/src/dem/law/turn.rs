@@ -1,7 +1,7 @@
 //! How a vector across a contact follows the contact as it turns.
 
 use super::geometry::Sliding;
-use super::vector::{Vector, add_scaled, cross, dot};
+use super::vector::{Vector, add_scaled, cross, dot, scaled};
 
 /// The direction of the shear force after the contact has turned, and the
 /// square of the factor that its length lacks.
@@ -20,4 +20,10 @@ pub(super) fn turn(shear: Vector, motion: &Sliding) -> (Vector, f64) {
     let turned2 = dot(s, s);
     let ratio = if turned2 > 0.0 { dot(shear, shear) / turned2 } else { 0.0 };
     (s, ratio)
+}
+
+/// The vector after the contact has turned, as long as before.
+pub(in crate::dem) fn turned(shear: Vector, motion: &Sliding) -> Vector {
+    let (direction, ratio) = turn(shear, motion);
+    scaled(ratio.sqrt(), direction)
 }

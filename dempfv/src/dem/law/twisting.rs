@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, ZERO_LANE, get, put};
 use super::geometry::{Geometry, Radii};
-use super::hertz::{kept_force, lost_share};
+use super::hertz::{gone_share, kept_force, lost_share};
 use super::loss::Loss;
 use super::resistance::Resistance;
 use super::terms::{GranularParameters, Memory, Terms};
@@ -84,7 +84,9 @@ pub(super) fn lose<G: Geometry>(
         let now = force(terms, resistance, (trial, 0.0), l);
         let drag = force(terms, resistance, (now, drag), l) - now;
         let slid = (before + now) * (trial - now);
-        let changed = lost_share(terms.growth[l]) * before * before;
+        let growth = terms.growth[l];
+        let changed =
+            lost_share(growth) * before * before - gone_share(growth) * before * spring * way;
         let lost_by_spring = if spring > 0.0 { 0.5 * (slid + changed) / spring } else { 0.0 };
         lost[l] = lost_by_spring - drag * way;
     }

@@ -74,6 +74,19 @@ static COLUMNS: &[Column] = &[
         "Lost by steps across which bodies begin or cease to touch; negative where made.",
         |s, _| term(s, |b| b.touch_change),
     ),
+    column(
+        "turning_loss_j",
+        "J",
+        "Lost by steps in which contacts turn, since springs follow the directions after each step and \
+         forces act along those before it, too; negative where made.",
+        |s, _| term(s, |b| b.turning),
+    ),
+    column(
+        "step_change_loss_j",
+        "J",
+        "Lost where a time step is shorter than the one before, made where it is longer.",
+        |s, _| term(s, |b| b.step_change),
+    ),
     column("local_damping_loss_j", "J", "What local damping has dissipated.", |s, _| {
         term(s, |b| b.local_damping)
     }),
