@@ -21,8 +21,8 @@ use crate::bench::sample::{Sample, worst};
 
 /// Packings of more spheres take YADE too long.
 const LARGEST: usize = 6000;
-/// What may differ: fluxes, of themselves; pressures, of that at the bottom; void volumes, of themselves. YADE's walls
-/// are huge spheres.
+/// What may differ: fluxes, of themselves; pressures, of that at the bottom; void volumes, of
+/// themselves. YADE's walls are huge spheres.
 const FLUX: f64 = 5e-5;
 const PRESSURE: f64 = 2e-4;
 const VOID: f64 = 1e-12;
@@ -79,21 +79,21 @@ const INJECTED: &str = "\
 ## Injection
 
 YADE's own check of injection (`checkDEM-PFVPressureInjection.py`) on these packings, at rest: 1000 Pa at the
-bottom drive water of 0.1 Pa·s into pores that are held at zero above a third of the height; what enters must be what
-they take. Then Darcy conductances, YADE's `permeabilityFactor` of −2·10⁻³ m²/(Pa·s), between 1000 Pa and 0.
-Slip walls, no clamp. YADE's walls are huge spheres, which is what bounds the rest (see Walls).
+bottom drive water of 0.1 Pa·s into pores that are held at zero above a third of the height; what enters must
+be what they take. Then Darcy conductances, YADE's `permeabilityFactor` of −2·10⁻³ m²/(Pa·s), between 1000 Pa
+and 0. Slip walls, no clamp. YADE's walls are huge spheres, which is what bounds the rest (see Walls).
 
 ";
 
 const COMPRESSIBLE: &str = "\
 ## A compressible fluid
 
-The same packings, at rest, full of a fluid of 0.1 Pa·s and a bulk modulus of 1 MPa (YADE's `fluidBulkModulus`) without
-pressure; from the first step on 1000 Pa at the bottom and 0 at the top. Steps of 10⁻⁴ s, backward Euler in
-both. Slip walls, no clamp. What pores store goes with their void volume: YADE integrates that of a pore at a wall
-over the sphere that its wall is, so those are compared inside only. In the first step the pores at the bottom
-fill as their pressure jumps: ours counts that in the flux through the wall, YADE what passes on from them
-only; it is taken off ours here (0.4 of what enters).
+The same packings, at rest, full of a fluid of 0.1 Pa·s and a bulk modulus of 1 MPa (YADE's
+`fluidBulkModulus`) without pressure; from the first step on 1000 Pa at the bottom and 0 at the top. Steps of
+10⁻⁴ s, backward Euler in both. Slip walls, no clamp. What pores store goes with their void volume: YADE
+integrates that of a pore at a wall over the sphere that its wall is, so those are compared inside only. In
+the first step the pores at the bottom fill as their pressure jumps: ours counts that in the flux through the
+wall, YADE what passes on from them only; it is taken off ours here (0.4 of what enters).
 
 ";
 

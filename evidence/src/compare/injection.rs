@@ -1,5 +1,5 @@
-//! What YADE makes of injection, of the start of a compressible flow and of a Darcy medium on a small packing is kept,
-//! for tests on machines without it.
+//! What YADE makes of injection, of the start of a compressible flow and of a Darcy medium on a small
+//! packing is kept, for tests on machines without it.
 
 use std::path::Path;
 

@@ -114,10 +114,11 @@ impl super::Part for Part {
 const INTRODUCTION: &str = "\
 ## A periodic cell
 
-500 spheres, radii within 30 % of their mean, that ours has settled at 1 kPa in a periodic cube of 0.1 m; spheres held,
-1 mPa·s, a mean gradient of pressure of 1 Pa/m along x. YADE's `PeriodicFlowEngine`, which wants a cube, with
-bounds of its clamp that let every conductance pass. K = −μ U/G with the mean velocity U. On a simple cubic lattice
-YADE gives no number, since centres of pores coincide ([evidence](evidence/2026-11-30-periodic-flow.md)).
+500 spheres, radii within 30 % of their mean, that ours has settled at 1 kPa in a periodic cube of 0.1 m;
+spheres held, 1 mPa·s, a mean gradient of pressure of 1 Pa/m along x. YADE's `PeriodicFlowEngine`, which wants
+a cube, with bounds of its clamp that let every conductance pass. K = −μ U/G with the mean velocity U. On a
+simple cubic lattice YADE gives no number, since centres of pores coincide
+([evidence](evidence/2026-11-30-periodic-flow.md)).
 
 | | dempfv | YADE |
 |:--|--:|--:|

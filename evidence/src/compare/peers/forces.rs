@@ -66,18 +66,18 @@ struct Loads {
 
 pub const INTRODUCTION: &str = "
 Whether both compute the same: forces and torques on each sphere, largest difference over the mean. Equal
-spheres: 512 of 1 mm on a cubic lattice with overlaps of about 10⁻⁷ of the radius, a random velocity and spin each; the
-normal forces before the first step, all after 20 steps without damping of motion, in which contacts open, close
-and slide; of rolling and twisting after 5, below their limits. At its limit LAMMPS has spring and dashpot together
-reach it, by which the spring gives way; ours cuts the spring alone, then both. LAMMPS takes the slip at full radii
-(`gran/hooke/history` the torque, too), ours where the force acts, in the middle of the overlap: that is a
-difference of the order of overlap over radius.
+spheres: 512 of 1 mm on a cubic lattice with overlaps of about 10⁻⁷ of the radius, a random velocity and spin
+each; the normal forces before the first step, all after 20 steps without damping of motion, in which contacts
+open, close and slide; of rolling and twisting after 5, below their limits. At its limit LAMMPS has spring and
+dashpot together reach it, by which the spring gives way; ours cuts the spring alone, then both. LAMMPS takes
+the slip at full radii (`gran/hooke/history` the torque, too), ours where the force acts, in the middle of the
+overlap: that is a difference of the order of overlap over radius.
 
-The packing: normal forces at its beginning, where it is at rest, over the mean one of a contact. There LAMMPS has
-one stiffness of linear springs for all pairs, ours goes with the radii. Its stiffness and damping against turning do
-not follow the contact radius, either, which ours do with Hertz: in the last row no constants make them the same. At
-a wall this LAMMPS takes E/2(1 − ν) for E* of `hertz/material`, where two spheres have E/2(1 − ν²); it is given
-E/(1 + ν) there, so that both have the latter.
+The packing: normal forces at its beginning, where it is at rest, over the mean one of a contact. There LAMMPS
+has one stiffness of linear springs for all pairs, ours goes with the radii. Its stiffness and damping against
+turning do not follow the contact radius, either, which ours do with Hertz: in the last row no constants make
+them the same. At a wall this LAMMPS takes E/2(1 − ν) for E* of `hertz/material`, where two spheres have
+E/2(1 − ν²); it is given E/(1 + ν) there, so that both have the latter.
 
 | effects | equal spheres: normal force | force | torque | the packing: normal force |
 |:--|--:|--:|--:|--:|
