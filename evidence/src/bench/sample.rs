@@ -19,6 +19,20 @@ impl Sample {
         }
     }
 
+    /// The values a quarter and three quarters up in order, between neighbours where none is there;
+    /// NaN if there is none.
+    pub fn quartiles(&self) -> [f64; 2] {
+        let mut sorted = self.0.clone();
+        sorted.sort_by(f64::total_cmp);
+        let Some(last) = sorted.len().checked_sub(1) else { return [f64::NAN; 2] };
+        [0.25, 0.75].map(|share| {
+            let at = share * last as f64;
+            let below = at as usize;
+            let above = sorted[(below + 1).min(last)];
+            sorted[below] + (at - below as f64) * (above - sorted[below])
+        })
+    }
+
     /// The mean; NaN if there is none.
     pub fn mean(&self) -> f64 {
         self.0.iter().sum::<f64>() / self.0.len() as f64
@@ -75,6 +89,10 @@ mod tests {
         assert!(Sample::default().median().is_nan());
         assert_eq!(Sample(vec![6.0, 1.0, 2.0]).mean(), 3.0);
         assert!(Sample::default().mean().is_nan());
+        assert_eq!(Sample(vec![5.0, 2.0, 1.0, 4.0, 3.0]).quartiles(), [2.0, 4.0]);
+        assert_eq!(Sample(vec![2.0, 1.0]).quartiles(), [1.25, 1.75]);
+        assert_eq!(Sample(vec![2.0]).quartiles(), [2.0; 2]);
+        assert!(Sample::default().quartiles()[0].is_nan());
         assert_eq!(Sample(vec![3.0, 1.0]).range(), [1.0, 3.0]);
         assert_eq!(Sample(vec![0.003, 0.001, 0.002]).show(1e-3), "2 (1 to 3)");
     }

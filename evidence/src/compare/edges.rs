@@ -213,7 +213,7 @@ fn compare(bench: &Bench, packing: &Packing) -> Result<Vec<Row>, Error> {
 }
 
 /// Uniform in [-1, 1): a linear congruence with Knuth's constants.
-fn uniform(state: &mut u64) -> f64 {
+pub fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }

@@ -1,15 +1,18 @@
 //! `dempfv compare`: other programs on the same input, side by side in one run.
 
+mod conditions;
 mod coupled;
 mod dry;
 mod edges;
 mod figures;
+mod filling;
 mod injection;
 mod loading;
 mod network;
 mod page;
 mod peer;
 mod peers;
+mod periodic;
 mod reference;
 mod time;
 mod verdict;
@@ -86,6 +89,12 @@ enum PartName {
     Network,
     /// Forces between neighbours
     Edges,
+    /// Pores that are held at a pressure, and Darcy conductances
+    Injection,
+    /// The start of a flow of a compressible fluid
+    Compressible,
+    /// The flow through a periodic cell
+    Periodic,
     /// Loading without fluid
     Dry,
     /// Loading with fluid
@@ -183,6 +192,9 @@ fn run_yade(args: &YadeArgs) -> Result<YadeReport, Error> {
     let chosen = |part| args.parts.is_empty() || args.parts.contains(&part);
     page.add::<network::Part>(&bench, &networks, chosen(PartName::Network), force)?;
     page.add::<edges::Part>(&bench, &packings, chosen(PartName::Edges), force)?;
+    page.add::<filling::Injected>(&bench, &packings, chosen(PartName::Injection), force)?;
+    page.add::<filling::Compressible>(&bench, &packings, chosen(PartName::Compressible), force)?;
+    page.add::<periodic::Part>(&bench, &[], chosen(PartName::Periodic), force)?;
     page.add::<dry::Part>(&bench, &packings, chosen(PartName::Dry), force)?;
     page.add::<coupled::Part>(&bench, &packings, chosen(PartName::Coupled), force)?;
     page.add::<time::Part>(&bench, &packings, chosen(PartName::Time), force)?;

@@ -33,6 +33,13 @@ impl Verdict {
         !self.is_within() && self.explanation.is_none()
     }
 
+    /// Verdicts as a table in Markdown.
+    pub fn table(verdicts: &[Verdict]) -> String {
+        let rows = verdicts.iter().map(|v| format!("| {} |\n", v.row().join(" | ")));
+        let head = Verdict::HEADER.join(" | ");
+        format!("| {head} |\n|:--|:--|--:|--:|--:|:--|\n{}\n", rows.collect::<String>())
+    }
+
     /// The verdict as cells of a table.
     pub fn row(&self) -> Vec<String> {
         let judgement = match (self.is_within(), &self.explanation) {

@@ -1,10 +1,14 @@
 //! `dempfv compare peers`: the contest with what people would pick instead: YADE and LAMMPS
 //! for the simulation; CHOLMOD with METIS, MKL's PARDISO and faer for the linear algebra.
 
+mod contacts;
 mod coupled;
 mod draw;
 mod dry;
+mod forces;
 pub mod job;
+mod lammps;
+mod lammps_law;
 mod linear;
 mod model;
 mod network;
@@ -18,6 +22,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use dempfv::InputError;
+use dempfv::io::atomic;
 use dempfv::solver::SolverKind;
 use dempfv_report::machine;
 use dempfv_report::output::{OutputArgs, make_folder};
@@ -35,6 +40,8 @@ use crate::limits::Limits;
 /// The report, and the folder of its figures beside it.
 const PAGE: &str = "report.md";
 const FIGURES: &str = "report";
+/// The report of contacts alone.
+const CONTACTS: &str = "contacts.md";
 /// How long the machine is looked at before the first run.
 const LOOK: Duration = Duration::from_secs(2);
 /// Threads of every program.
@@ -51,6 +58,9 @@ pub struct Args {
     /// Programs to leave out
     #[arg(long, value_name = "PROGRAM", value_enum, num_args = 1..)]
     without: Vec<Name>,
+    /// Only the effects of contacts beside LAMMPS
+    #[arg(long)]
+    contacts: bool,
     /// Our solver that is compared [default: frontal where there is one]
     #[arg(long, value_name = "NAME")]
     solver: Option<String>,
@@ -95,6 +105,7 @@ struct Results {
     /// At the beginning and at the end.
     limits: [Limits; 2],
     dry: Vec<dry::Case>,
+    contacts: Vec<contacts::Case>,
     coupled: Vec<coupled::Case>,
     network: Vec<network::Case>,
     inside: Vec<coupled::Inside>,
@@ -139,6 +150,9 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     let contest =
         Contest { bench: &bench, others, ours, threads: THREADS, runs, quick: args.quick };
     let sizes = if args.quick { sizes::QUICK } else { sizes::FULL };
+    if args.contacts {
+        return only_contacts(&contest, &sizes);
+    }
     let results = measure(&contest, &sizes)?;
     let rows = rows::rows(&contest, &results);
     let path = bench.folder.join(PAGE);
@@ -150,6 +164,19 @@ pub fn run(args: &Args) -> Result<Report, Error> {
     Ok(Report { rows: rows.iter().map(Row::cells).collect(), reached, page: path })
 }
 
+/// The part beside LAMMPS alone, on a page of its own.
+fn only_contacts(contest: &Contest, sizes: &Sizes) -> Result<Report, Error> {
+    let mut cases = vec![];
+    for size in sizes.dry {
+        cases.extend(contacts::measure(contest, &size.place(contest.bench)?)?);
+    }
+    let rows: Vec<Row> = cases.iter().map(rows::contacts).collect();
+    let page = contest.bench.folder.join(CONTACTS);
+    atomic::write(&page, page::contacts(contest, &cases).as_bytes())?;
+    let reached = rows.iter().filter(|row| row.is_reached()).count();
+    Ok(Report { rows: rows.iter().map(Row::cells).collect(), reached, page })
+}
+
 fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     let bench = contest.bench;
     let limits = |name: &str| {
@@ -158,10 +185,11 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
     let start = bench.remembered("start", &(), || Ok(Start::now()))?;
     let first = limits("limits-start")?;
     let place = |size: &sizes::Size| size.place(bench);
-    let (mut dry, mut coupled, mut network) = (vec![], vec![], vec![]);
+    let (mut dry, mut contacts, mut coupled, mut network) = (vec![], vec![], vec![], vec![]);
     let (mut inside, mut linear) = (vec![], vec![]);
     for size in sizes.dry {
         dry.push(dry::measure(contest, &place(size)?)?);
+        contacts.extend(contacts::measure(contest, &place(size)?)?);
     }
     for size in sizes.network {
         network.push(network::measure(contest, &place(size)?)?);
@@ -177,7 +205,7 @@ fn measure(contest: &Contest, sizes: &Sizes) -> Result<Results, Error> {
         coupled.push(coupled::measure(contest, &place(size)?, before)?);
     }
     let limits = [first, limits("limits-end")?];
-    Ok(Results { start, limits, dry, coupled, network, inside, linear })
+    Ok(Results { start, limits, dry, contacts, coupled, network, inside, linear })
 }
 
 impl Start {

@@ -6,6 +6,7 @@ use dempfv::io::atomic;
 use dempfv_report::format::{bytes, count, three_digits};
 use dempfv_report::{machine, versions};
 
+use super::contacts::{self, Case};
 use super::coupled::{self, PHASES, REMESH, Way};
 use super::linear;
 use super::model;
@@ -34,6 +35,7 @@ pub fn write(
     }
     text += &limits(results);
     text += &dry(results);
+    text += &contacts::section(&results.contacts);
     text += &coupled(contest, results);
     text += &network(results);
     text += &linear(results);
@@ -84,6 +86,23 @@ fn head(contest: &Contest, results: &Results) -> String {
         text += "**Small packings and single runs (`--quick`): no times to quote.**\n\n";
     }
     text
+}
+
+/// The page of contacts alone.
+pub fn contacts(contest: &Contest, cases: &[Case]) -> String {
+    let ours = versions::all();
+    let of = |name: &str| ours.get(name).map_or("unknown", String::as_str);
+    let lammps = contest.others.lammps.as_ref().map_or("left out", |l| &l.version);
+    format!(
+        "# Contacts of dempfv beside those of LAMMPS\n\nMeasured on {} by `dempfv compare peers \
+         --contacts`. Machine: {}. dempfv {} ({}), rustc {}; LAMMPS {lammps}.\n{}",
+        machine::today(),
+        machine::description(),
+        of("dempfv"),
+        of("git"),
+        of("rustc"),
+        contacts::section(cases)
+    )
 }
 
 fn contest_table(rows: &[Row]) -> String {

@@ -1,4 +1,4 @@
-//! The eight rows of the contest: what was measured, what must be reached, what is aimed at.
+//! The rows of the contest: what was measured, what must be reached, what is aimed at.
 
 use dempfv_report::format::{count, three_digits};
 
@@ -11,6 +11,8 @@ use crate::bench::sample::{Sample, worst};
 const PRESSURE: f64 = 1e-6;
 /// Largest relative residual of a solve.
 const RESIDUAL: f64 = 1e-12;
+/// Largest difference of forces from LAMMPS's, of their mean.
+const FORCES: f64 = 1e-6;
 /// Pores of the network that is to be built in the time stated (s).
 const NETWORK: [f64; 2] = [0.22, 0.15];
 
@@ -129,6 +131,7 @@ impl Row {
 pub fn rows(contest: &Contest, results: &Results) -> Vec<Row> {
     let mut rows = Vec::new();
     rows.extend(results.dry.iter().map(dry));
+    rows.extend(results.contacts.iter().map(contacts));
     rows.extend(results.coupled.iter().map(coupled));
     rows.extend(results.network.iter().map(|case| network(case, results)));
     rows.extend(results.linear.iter().map(|case| ordering(contest, case)));
@@ -173,6 +176,28 @@ fn dry(case: &super::dry::Case) -> Row {
         bound: Bound::at_most(0.9, Some(0.6), " × LAMMPS"),
         detail,
         conditions: vec![],
+        aim_holds: true,
+    }
+}
+
+/// A dry step on one thread with some effects of contacts, by pairs of runs.
+pub fn contacts(case: &super::contacts::Case) -> Row {
+    let [low, high] = case.ratio.quartiles().map(three_digits);
+    let conditions = case.apart.map(|apart| {
+        let largest = worst([apart.normal, apart.force, apart.torque]);
+        (format!("forces within {largest:.0e} of LAMMPS's"), largest <= FORCES)
+    });
+    Row {
+        number: 1,
+        what: "dry step by effects, one thread",
+        on: format!("{}, {}", spheres(case.spheres), case.name),
+        value: Ok(case.ratio.median()),
+        bound: match case.is_plain() {
+            true => Bound::at_most(0.65, None, " × LAMMPS"),
+            false => Bound::at_most(1.0, None, " × LAMMPS"),
+        },
+        detail: format!("quartiles {low} to {high} of {} pairs", case.ratio.0.len()),
+        conditions: conditions.into_iter().collect(),
         aim_holds: true,
     }
 }

@@ -3,7 +3,8 @@
 # steady flow through a Darcy medium.
 #
 # job: spheres ([x, y, z, r]), box (6), viscosity, pressure (of y_min in Pa), level (y in m),
-# bulk_modulus (Pa), dt (s), steps, mobility (m²/(Pa·s)). Cells are numbered and named as by network.py.
+# bulk_modulus (Pa), dt (s), looks (steps after which the compressible flow is looked at), mobility
+# (m²/(Pa·s)), cases (which are wanted). Cells are numbered and named as by network.py.
 from yade import *
 
 COUNT = len(job["spheres"])
@@ -41,34 +42,40 @@ def vertex(body):
     return body - 6 if body >= 6 else COUNT + body
 
 
+def cells_of(flow):
+    every = range(flow.nCells())
+    cells = [[vertex(v) for v in flow.getVertices(i)] for i in every]
+    return dict(cells=cells, void=[1 / flow.getCellInvVoidVolume(i) for i in every])
+
+
 def injection():
     flow = engine(0, True)
     every = range(flow.nCells())
-    cells = [[vertex(v) for v in flow.getVertices(i)] for i in every]
     held = [i for i in every if flow.getCellBarycenter(i)[1] >= job["level"]]
     for i in held:
         flow.setCellPImposed(i, True)
         flow.setCellPressure(i, 0)
     O.step()
     return dict(
-        cells=cells,
+        cells_of(flow),
         held=held,
         pressure=[flow.getCellPressure(i) for i in every],
         entering=-flow.getBoundaryFlux(Y_MIN),
         leaving=-sum(flow.getCellFluxFromId(i) for i in held),
-        void=[1 / flow.getCellInvVoidVolume(i) for i in every],
     )
 
 
 def compression():
     flow = engine(job["bulk_modulus"], False)
     every = range(flow.nCells())
-    for _ in range(job["steps"] - 1):
-        O.step()
-    return dict(
-        pressure=[flow.getCellPressure(i) for i in every],
-        flux=[-flow.getBoundaryFlux(wall) for wall in (Y_MIN, Y_MAX)],
-    )
+    looks, done = [], 1
+    for look in job["looks"]:
+        for _ in range(look - done):
+            O.step()
+        done = look
+        pressure = [flow.getCellPressure(i) for i in every]
+        looks.append(dict(pressure=pressure, flux=[-flow.getBoundaryFlux(wall) for wall in (Y_MIN, Y_MAX)]))
+    return dict(cells_of(flow), looks=looks)
 
 
 def darcy():
@@ -77,4 +84,5 @@ def darcy():
     return [-flow.getBoundaryFlux(wall) for wall in (Y_MIN, Y_MAX)]
 
 
-finish(dict(injection=injection(), compression=compression(), darcy=darcy()))
+CASES = dict(injection=injection, compression=compression, darcy=darcy)
+finish({case: CASES[case]() for case in job["cases"]})

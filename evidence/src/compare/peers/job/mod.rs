@@ -15,7 +15,7 @@ use dempfv_report::json;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub use self::dry::{Dry, Material, Stepped};
+pub use self::dry::{Contacts, Dry, Material, Stepped, Turning};
 pub use self::linear::{Linear, Solved};
 pub use self::network::{Build, Built};
 pub use self::steps::{Run, Steps};
