@@ -232,7 +232,12 @@ fn solver(name: Option<&str>) -> Result<&'static str, Error> {
 
 /// The programs that are not left out. All that is missing is told at once.
 fn others(args: &Args) -> Result<Others, Error> {
-    let wanted = |name| !args.without.contains(&name);
+    let left_out = |name| args.without.contains(&name);
+    if args.contacts && left_out(Name::Lammps) {
+        let what = "--contacts compares with LAMMPS, which --without leaves out";
+        return Err(InputError::new(what, "give one of the two").into());
+    }
+    let wanted = |name| !left_out(name) && (!args.contacts || name == Name::Lammps);
     let lammps = wanted(Name::Lammps).then(|| Lammps::find(&args.lammps)).transpose();
     let pardiso = "`make compare` installs pypardiso there; or leave it out with --without pardiso";
     let pardiso = wanted(Name::Pardiso)
