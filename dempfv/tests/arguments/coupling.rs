@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::dem::Endless;
 use super::dem_support::twin;
 use super::{NO_LENGTHS, Table};
 use dempfv::coupling::{
@@ -131,6 +132,11 @@ fn controls(t: &mut Table) {
     t.refuses("coupling::Controls::add_force", "particle 7", || {
         let mut coupled = wet();
         coupled.controls().add_force(7, NAN);
+        coupled.step(1e-5)
+    });
+    t.refuses("coupling::Controls::add_body_force", "particle 7", || {
+        let mut coupled = wet();
+        coupled.controls().add_body_force(Box::new(Endless));
         coupled.step(1e-5)
     });
     t.refuses("coupling::Controls::add_torque", "particle 7", || {

@@ -4,8 +4,9 @@ use super::dem_support::{UNIT, cloud, frictionless_walls, material, twin};
 use super::{NO_LENGTHS, Table};
 use dempfv::dem::law::{Adhesion, Bonds, Granular, GranularEffects, Hertz, Restitution};
 use dempfv::dem::{
-    CloudScale, CloudSpec, Dem, DemError, DemOptions, GrowthCompaction, GrowthOptions, Material,
-    Particles, SizeDistribution, WallControl, WallMaterial, random_cloud,
+    BodyForce, BodyLoad, CloudScale, CloudSpec, Dem, DemError, DemOptions, GrowthCompaction,
+    GrowthOptions, Material, Particles, SizeDistribution, SphereState, WallControl, WallMaterial,
+    random_cloud,
 };
 use dempfv::{Aabb, PerWall, Vec3, WallId};
 
@@ -13,6 +14,20 @@ const NAN: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
 
 fn small() -> Dem {
     twin(20, 1, DemOptions::default())
+}
+
+/// A force that one sphere feels without limit.
+pub struct Endless;
+
+impl BodyForce for Endless {
+    fn name(&self) -> &str {
+        "endless"
+    }
+
+    fn load(&self, sphere: &SphereState, _: f64) -> BodyLoad {
+        let force = if sphere.number == 7 { NAN } else { Vec3::zeros() };
+        BodyLoad { force, torque: Vec3::zeros() }
+    }
 }
 
 /// Spheres in contact.
@@ -293,11 +308,12 @@ fn by_number(t: &mut Table) {
     t.panics("dem::Dem::add_force", || small().add_force(20, Vec3::zeros()));
     t.panics("dem::Dem::add_torque", || small().add_torque(20, Vec3::zeros()));
     type Spoil = fn(&mut Dem);
-    let spoil: [(&'static str, Spoil); 4] = [
+    let spoil: [(&'static str, Spoil); 5] = [
         ("dem::Dem::set_velocity", |dem| dem.set_velocity(7, NAN)),
         ("dem::Dem::set_spin", |dem| dem.set_spin(7, NAN)),
         ("dem::Dem::add_force", |dem| dem.add_force(7, NAN)),
         ("dem::Dem::add_torque", |dem| dem.add_torque(7, NAN)),
+        ("dem::Dem::add_body_force", |dem| dem.add_body_force(Box::new(Endless))),
     ];
     for (function, change) in spoil {
         t.refuses(function, "particle 7", || {

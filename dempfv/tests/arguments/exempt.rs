@@ -46,6 +46,7 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
     ),
     (
         &[
+            "dem::BodyForce",
             "dem::law::ContactLaw",
             "dem::law::Geometry",
             "dem::law::History",
