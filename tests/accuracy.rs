@@ -81,6 +81,40 @@ fn settings_have_errors_and_times() {
     assert_eq!(folder.read("a/accuracy.csv"), table);
 }
 
+/// A dry stage of so many steps, with a wall that is driven: all runs see the same time, errors are of
+/// what is not prescribed, and a packing beside the scene is found from wherever its copy lies.
+#[test]
+fn steps_are_a_time_and_driven_walls_no_answer() {
+    let folder = Folder::new("accuracy-dry");
+    std::fs::create_dir(folder.0.join("s")).unwrap();
+    std::fs::copy(PACKING, folder.0.join("s/p.txt")).unwrap();
+    let stage = RUN.replace("400", "60").replace("-0.01", "-1.0");
+    folder.write("s/a.toml", &format!("[particles]\npacking = \"p.txt\"\n[dem]\n{stage}"));
+    let words = ["accuracy", "s/a.toml", "--quick", "--target", "0.5", "--out", "a", "--json", "-"];
+    let report: serde_json::Value = serde_json::from_str(&folder.done(&words)).unwrap();
+    for point in report["points"].as_array().unwrap() {
+        assert!(point["failed"].is_null() && point["error"].is_f64(), "{point}");
+    }
+    let chosen = &report["chosen"][0]["point"];
+    assert!(chosen["errors"]["displacement"].as_f64().unwrap() < 1e-9, "{chosen}");
+    assert!(chosen["error"].as_f64().unwrap() > 1e-6, "{chosen}");
+    folder.done(&["check", "a/chosen.toml"]);
+}
+
+/// What only the background knows of goes with it.
+#[test]
+fn networks_that_are_taken_when_ready_are_no_obstacle() {
+    let folder = Folder::new("accuracy-ready");
+    let text =
+        scene(RUN).replace("bulk_modulus = 1e7", "remesh = \"background\"\nswap = \"when ready\"");
+    folder.write("a.toml", &text);
+    let words = ["accuracy", "a.toml", "--quick", "--seconds", "0.2", "--out", "a", "--json", "-"];
+    let report: serde_json::Value = serde_json::from_str(&folder.done(&words)).unwrap();
+    for point in report["points"].as_array().unwrap() {
+        assert!(point["failed"].is_null(), "{point}");
+    }
+}
+
 /// YADE's bounds of conductances hold 10 % of the permeability of millimetre grains.
 #[test]
 fn a_permeability_has_an_accuracy() {

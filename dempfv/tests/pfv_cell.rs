@@ -3,7 +3,7 @@
 mod cell_support;
 
 use cell_support::{FLUID, cell_flow, lattice, packed_cell, permeability};
-use dempfv::pfv::{Flow, PfvError};
+use dempfv::pfv::{Flow, Network, PfvError};
 use dempfv::solver::SolverKind;
 use dempfv::{Cell, Tensor, Vec3};
 
@@ -44,6 +44,41 @@ fn pores_fill_the_cell() {
     let again = network.volumes_in_cell(&x, &cell).unwrap();
     let mean = volume / network.pores() as f64;
     assert!(again.iter().zip(&network.volume).all(|(a, b)| (a - b).abs() < 1e-12 * mean));
+}
+
+/// Spheres that go with the cell make each pore larger by the determinant of the deformation, and keep
+/// their copies: where a pore reaches through nearly half of the cell, where the cell exchanges its edges
+/// for shorter ones on the way, and whichever copies of the spheres are given. A cell that has changed
+/// by more than a quarter is refused.
+#[test]
+fn pores_keep_their_copies_while_the_cell_exchanges_edges() {
+    let (x, r, cell) = packed_cell(1);
+    let edges = Tensor::from_columns(&cell.edges());
+    let skewed = Tensor::new(1.0, 0.42, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    let built = Cell::new(
+        (skewed * edges).column_iter().map(Into::into).collect::<Vec<Vec3>>().try_into().unwrap(),
+    )
+    .unwrap();
+    let x: Vec<Vec3> = x.iter().map(|x| skewed * x).collect();
+    let r: Vec<f64> = r.iter().map(|r| 0.9 * r).collect();
+    let network = Network::in_cell(&x, &r, &built, &FLUID).unwrap().0;
+    for by in [0.05, 0.12, 0.2] {
+        let deformation = Tensor::new(1.0, by, 0.0, 0.0, 0.95, 0.0, 0.0, 0.0, 1.02);
+        let columns: Vec<Vec3> = built.edges().iter().map(|edge| deformation * edge).collect();
+        let whole = Cell::new(columns.try_into().unwrap()).unwrap();
+        let cell = whole.reduced().unwrap_or(whole);
+        let moved =
+            (0i32..).zip(&x).map(|(i, x)| deformation * x + cell.shift([i % 3 - 1, 0, i % 2]));
+        let found = network.volumes_in_cell(&moved.collect::<Vec<_>>(), &cell).unwrap();
+        let mean = built.volume() / network.pores() as f64;
+        for (found, volume) in found.iter().zip(&network.volume) {
+            let expected = deformation.determinant() * volume;
+            assert!((found - expected).abs() < 1e-10 * mean, "{by}: {found:e} {expected:e}");
+        }
+    }
+    let double = Cell::new(built.edges().map(|edge| 1.3 * edge)).unwrap();
+    let error = network.volumes_in_cell(&x, &double).unwrap_err();
+    assert!(error.to_string().contains("more than a quarter"), "{error}");
 }
 
 /// The mean gradient puts −G V on the spheres together; what flows through each pore is balanced,

@@ -39,7 +39,8 @@ fn end(short: &Short) -> EnergyBalance {
         assert!(text.contains(from), "{}: {from}", short.scene);
         text = text.replacen(from, to, 1);
     }
-    let plan = Plan::from_toml(&text, Some(&path)).unwrap();
+    let mut plan = Plan::from_toml(&text, Some(&path)).unwrap();
+    plan.output.energy_turning = true;
     let stages = plan.stages.len();
     let mut simulation = Simulation::new(plan).unwrap();
     let (mut stage, mut steps) = (0, 0);

@@ -300,6 +300,7 @@ vtk_every = 17
 checkpoint_every = 19
 pictures = false
 energy = false
+energy_turning = true
 state = true
 contacts = true
 probes = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]

@@ -55,10 +55,16 @@ const EXHAUSTING_APPLICATIONS: u32 = 24;
 const EXHAUSTING_STEP_RATIO: f64 = 2.0;
 
 /// How pores grow that store fluid: what a step takes up is the change of their volumes.
-fn take_growth(flow: &mut Flow, state: &mut FluidState, geometry: &SolidGeometry) -> Result<()> {
+fn take_growth(
+    flow: &mut Flow,
+    state: &mut FluidState,
+    (motion, geometry): (&SolidMotion, &SolidGeometry),
+) -> Result<()> {
     let SolidGeometry { position, bounds, cell } = geometry;
     let place = Place { position, bounds, cell: *cell };
-    flow.grow_to(place)?;
+    if !flow.grow_to(place, state.grown_to.as_ref().map(|before| before.view()))? {
+        evaluate_rates(flow, motion)?;
+    }
     if let Some(grown_to) = &mut state.grown_to {
         grown_to.set(&place);
     }
@@ -118,7 +124,9 @@ impl ActiveNetwork {
         let ActiveNetwork { flow, state, iterations, .. } = self;
         if motion.squeezes {
             phases.time(Phase::VolumeRates, || match &motion.geometry {
-                Some(geometry) if flow.time_step().is_some() => take_growth(flow, state, geometry),
+                Some(geometry) if flow.time_step().is_some() => {
+                    take_growth(flow, state, (motion, geometry))
+                }
                 _ => evaluate_rates(flow, motion),
             })?;
         }

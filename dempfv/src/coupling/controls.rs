@@ -150,6 +150,11 @@ impl Controls<'_> {
         self.coupled.dem.track_energy(on);
     }
 
+    /// Makes what turning contacts lose a cause of its own, or not; see [`Dem::track_turning`].
+    pub fn track_turning(&mut self, on: bool) {
+        self.coupled.dem.track_turning(on);
+    }
+
     /// Velocities (m/s) and spins (rad/s), in storage order.
     pub fn storage_velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
         self.coupled.dem.storage_velocities_mut()

@@ -203,6 +203,7 @@ impl Dem {
             external: ExternalLoads::default(),
             body_forces: BodyForces::default(),
             ledger,
+            tracks_turning: true,
             motion_work: vec![],
             stiffness: StiffnessScratch::default(),
             particles,

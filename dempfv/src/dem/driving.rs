@@ -109,17 +109,21 @@ impl Dem {
         std::mem::take(&mut self.body_forces.each)
     }
 
-    /// Adds what body forces do in a step of `dt` (s).
-    pub(super) fn act_body_forces(&mut self, dt: f64) -> Result<(), DemError> {
+    /// Counts the time of body forces on, where no motion does so.
+    pub(super) fn count_time(&mut self, dt: f64) {
+        if !self.body_forces.is_empty() && self.held.mask().is_empty() {
+            self.held.motions.time += dt;
+        }
+    }
+
+    /// Adds what body forces do in a step.
+    pub(super) fn act_body_forces(&mut self) -> Result<(), DemError> {
         if self.body_forces.is_empty() {
             return Ok(());
         }
         let time = self.held.motions.time;
-        self.body_forces.act(&self.particles, time, &mut self.external)?;
-        if self.held.mask().is_empty() {
-            // Nothing else counts the time then.
-            self.held.motions.time += dt;
-        }
-        Ok(())
+        let acted = self.body_forces.act(&self.particles, time, &mut self.external);
+        // A step that fails leaves nothing for the next one.
+        acted.inspect_err(|_| self.external.clear())
     }
 }

@@ -28,7 +28,10 @@ pub const EFFECT: Effect = Effect {
     family: Family::Numerics,
     equation: "ΔK + ΔU = works − losses + residual, each at the half step of the leapfrog",
     source: "dempfv/src/dem/energy.rs",
-    keys: &[EffectKey { key: "energy in [output]", unit: "", default: "true" }],
+    keys: &[
+        EffectKey { key: "energy in [output]", unit: "", default: "true" },
+        EffectKey { key: "energy_turning in [output]", unit: "", default: "false" },
+    ],
     needs: "",
     test: "dempfv/tests/dem_energy.rs",
 };
@@ -143,6 +146,13 @@ impl Dem {
             };
             self.ledger = Some(ledger);
         }
+    }
+
+    /// Whether energy that is tracked has what turning contacts lose for a cause
+    /// ([`EnergyBalance::turning`]); it is in the residual otherwise. On unless told. It takes two more
+    /// forces of each contact in each step, which doubles the time of a dry one.
+    pub fn track_turning(&mut self, on: bool) {
+        self.tracks_turning = on;
     }
 
     /// Whether energy is tracked.

@@ -23,6 +23,8 @@ pub(super) struct Input<'a> {
     pub rotation: bool,
     /// Whether the law books what contacts dissipate.
     pub tracks_energy: bool,
+    /// Whether what turning contacts lose is booked, too.
+    pub tracks_turning: bool,
 }
 
 impl Input<'_> {

@@ -77,7 +77,7 @@ impl SpherePairRange<'_> {
                     sum.add_batch(law, batch, |_| only);
                 }
             }
-            if batch.tracks_energy && batch.dt != 0.0 {
+            if input.tracks_turning && batch.dt != 0.0 {
                 self.book_turning::<L, MOTION, TORQUES, PERIODIC>(batch, (law, table), input);
             }
             self.scatter::<L, MOTION, TORQUES>(batch, length);

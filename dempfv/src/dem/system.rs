@@ -87,6 +87,8 @@ pub struct Dem {
     pub(super) held: Held,
     /// See [`Dem::track_energy`].
     pub(super) ledger: Option<Ledger>,
+    /// See [`Dem::track_turning`].
+    pub(super) tracks_turning: bool,
     /// What forces did in the step, per sphere; empty where that is not tracked.
     pub(super) motion_work: Vec<MotionWork>,
     /// Scratch of [`Dem::contact_time_step`].
@@ -125,8 +127,10 @@ impl Dem {
         let materials = std::mem::take(&mut self.materials);
         let pairs = std::mem::take(&mut self.pairs);
         let body_forces = std::mem::take(&mut self.body_forces);
+        let tracks_turning = self.tracks_turning;
         *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
         (self.pairs, self.body_forces) = (pairs, body_forces);
+        self.tracks_turning = tracks_turning;
         Ok(())
     }
 
@@ -174,6 +178,7 @@ impl Dem {
             dt: self.pending_dt,
             rotation: self.options.rotation,
             tracks_energy: self.ledger.is_some(),
+            tracks_turning: self.ledger.is_some() && self.tracks_turning,
         };
         self.law.contact_forces(&mut self.list, &mut self.forces, input);
         self.pending_dt = 0.0;
@@ -200,7 +205,7 @@ impl Dem {
     /// # Errors
     /// [`DemError::NotFinite`] names a particle whose force or motion is not
     /// finite; the state is then spoilt. [`DemError::BodyForce`], before anything
-    /// moves. [`DemError::WallsMet`],
+    /// moves: what was added for the step is forgotten. [`DemError::WallsMet`],
     /// [`DemError::Parameter`] for a time step that is not positive or a fluid
     /// force on a wall that is not finite, [`DemError::Length`] for a fluid
     /// force of another length.
@@ -228,7 +233,7 @@ impl Dem {
         let on_walls = fluid.on_walls.iter().flat_map(|f| f.values()).flat_map(Vec3::iter);
         on_walls.copied().try_for_each(|f| finite("fluid wall force", f))?;
         let wall_velocity = self.walls.map(|wall| wall.velocity);
-        self.act_body_forces(dt)?;
+        self.act_body_forces()?;
         self.move_cell(dt, fluid.on_walls)?;
         let turned =
             self.law.needs() == Needs::Torques || self.external.turns() || fluid.torque.is_some();
@@ -254,6 +259,7 @@ impl Dem {
             farthest = farthest.max(self.move_held(step, fluid)?);
         }
         self.book_work(dt, &wall_velocity);
+        self.count_time(dt);
         self.external.clear();
         self.list.moved(farthest);
         self.keep_in_cell(farthest);

@@ -77,13 +77,13 @@ impl WallPairRange<'_> {
                 let (bodies, material) = (batch.bodies, input.material);
                 let parameters = |l: usize| table.wall(material_of::<L>(material, bodies[l][0]));
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, parameters);
-                if MOTION && batch.tracks_energy && batch.dt != 0.0 {
+                if MOTION && input.tracks_turning && batch.dt != 0.0 {
                     self.book_turning::<L, TORQUES>(batch, (law, table), input);
                 }
                 self.scatter::<L, MOTION, TORQUES>(law, parameters, batch, &mut sums);
             } else {
                 law.evaluate::<_, MOTION, TORQUES>(batch, scratch, |_| only);
-                if MOTION && batch.tracks_energy && batch.dt != 0.0 {
+                if MOTION && input.tracks_turning && batch.dt != 0.0 {
                     self.book_turning::<L, TORQUES>(batch, (law, table), input);
                 }
                 self.scatter::<L, MOTION, TORQUES>(law, |_| only, batch, &mut sums);

@@ -8,11 +8,14 @@ use super::network::{
     force_coefficients, number_throats, remarks,
 };
 use super::packing_check::{check_packing_in_cell, require_finite, require_length};
-use super::periodic::{PeriodicNetwork, cell_corners};
+use super::periodic::{PeriodicNetwork, nearest};
 use super::throat::ThroatRules;
 use super::{Derivatives, Fluid, Network, PfvError, Throats};
 use crate::parallel::for_each;
-use crate::{Cell, Vec3};
+use crate::{Cell, Tensor, Vec3};
+
+/// The most that a cell changes (1) by which it is still known what has become of a pore.
+const MOST: f64 = 0.25;
 
 impl Network {
     /// Triangulates spheres in a periodic cell and evaluates every pore and throat. Any copy of a
@@ -41,11 +44,11 @@ impl Network {
     }
 
     /// Volumes (m³) of the same pores when the spheres have moved to `position` and the cell to
-    /// another shape of nearly the same edges. Any copy of a sphere may be given.
+    /// another shape, by any of its edges. Any copy of a sphere may be given.
     ///
     /// # Errors
-    /// [`PfvError::InvalidInput`] for positions that are not one per sphere or not finite, and
-    /// between walls.
+    /// [`PfvError::InvalidInput`] for positions that are not one per sphere or not finite, for a cell
+    /// that has changed by more than a quarter since the network was built, and between walls.
     pub fn volumes_in_cell(&self, position: &[Vec3], cell: &Cell) -> Result<Vec<f64>, PfvError> {
         let spheres = self.tessellation.spheres;
         require_length("position", position.len(), spheres, "spheres")?;
@@ -55,19 +58,48 @@ impl Network {
             return Err(PfvError::InvalidInput { argument: "cell", index: None, problem });
         }
         let mut volume = vec![0.0; self.pores()];
-        self.write_volumes_in_cell(position, cell, &mut volume);
+        if !self.write_volumes_in_cell(position, cell, &mut volume) {
+            let problem =
+                "has changed by more than a quarter since the network was built".to_owned();
+            return Err(PfvError::InvalidInput { argument: "cell", index: None, problem });
+        }
         Ok(volume)
     }
 
-    /// The same of positions that are known to fit.
-    pub(super) fn write_volumes_in_cell(&self, position: &[Vec3], cell: &Cell, volume: &mut [f64]) {
+    /// The same of positions that are known to fit. Says whether it knows them: the copies of a pore's
+    /// spheres are those nearest to where the deformation of the cell has brought the first ones.
+    #[must_use]
+    pub(super) fn write_volumes_in_cell(
+        &self,
+        position: &[Vec3],
+        cell: &Cell,
+        volume: &mut [f64],
+    ) -> bool {
+        let Some(built) = &self.periodic else { return false };
+        let Some(deformation) = deformation(&built.cell, cell) else { return false };
         let cells = &self.tessellation.cells;
         for_each(volume, &|i, volume| {
-            let [a, b, c, d] = cell_corners(&cells[i], position, cell);
-            let (b, c, d) = (b - a, c - a, d - a);
-            *volume = b.dot(&c.cross(&d)) / 6.0;
+            let (at, arm) = (cells[i].map(|v| position[v as usize]), &built.arm[i]);
+            let way = |k: usize| {
+                let way = at[k] - at[0];
+                let expected = deformation * (arm[0] - arm[k]);
+                expected + nearest(&(way - expected), cell)
+            };
+            *volume = way(1).dot(&way(2).cross(&way(3))) / 6.0;
         });
+        true
     }
+}
+
+/// What has become of the space of a cell in another one, which may have other edges for the same
+/// copies; `None` where that is more than a quarter, and edges could be taken for others.
+fn deformation(built: &Cell, cell: &Cell) -> Option<Tensor> {
+    let [built, now] = [built, cell].map(|cell| Tensor::from_columns(&cell.edges()));
+    let exchanged = (built.try_inverse()? * now).map(f64::round);
+    // Of edges that make the same copies the determinant is 1, and so is that of the inverse.
+    let deformation = now * (built * exchanged).try_inverse()?;
+    let most = (deformation - Tensor::identity()).amax();
+    ((exchanged.determinant() - 1.0).abs() < 1e-9 && most <= MOST).then_some(deformation)
 }
 
 fn build(

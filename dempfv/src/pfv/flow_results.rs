@@ -79,7 +79,7 @@ impl Flow {
     }
 
     /// What entered from pores with an imposed pressure less what the pores swallowed in the
-    /// last solve, over the larger of both ([`Operators::imbalance`]).
+    /// last solve, over the larger of both ([`Operators::imbalance`](super::Operators::imbalance)).
     pub fn imbalance(&self) -> f64 {
         self.solver.statistics.imbalance
     }

@@ -82,8 +82,10 @@ impl Flow {
     pub(crate) fn set_grown_to(&mut self, place: Place) -> Result<(), PfvError> {
         let Flow { network, operators, radius, .. } = self;
         let Some(storage) = &mut operators.storage else { return Ok(()) };
-        storage.grown.measure(network, radius, place)?;
-        storage.grown.settle();
+        match storage.grown.measure(network, radius, place)? {
+            true => storage.grown.settle(),
+            false => storage.grown.forget(),
+        }
         Ok(())
     }
 
@@ -91,14 +93,33 @@ impl Flow {
     /// at this place since the last call, and are taken to do so in the step to come. What many steps
     /// take up is what the volumes have changed by, to round-off.
     ///
+    /// Says whether they have: in a periodic cell that has changed too much since the network was built
+    /// nobody knows which copies of its spheres a pore has, and rates have to do. `before` is where they
+    /// were in the last call.
+    ///
     /// # Errors
     /// As [`Flow::set_grown_to`].
-    pub(crate) fn grow_to(&mut self, place: Place) -> Result<(), PfvError> {
+    pub(crate) fn grow_to(
+        &mut self,
+        place: Place,
+        before: Option<Place>,
+    ) -> Result<bool, PfvError> {
         let Flow { network, operators, volume_rate, radius, .. } = self;
-        let Some(storage) = &mut operators.storage else { return Ok(()) };
+        let Some(storage) = &mut operators.storage else { return Ok(false) };
         let time_step = storage.time_step();
-        storage.grown.measure(network, radius, place)?;
-        storage.grown.take(time_step, volume_rate);
-        Ok(())
+        if let Some(before) = before.filter(|_| storage.grown.is_forgotten())
+            && storage.grown.measure(network, radius, before)?
+        {
+            storage.grown.settle();
+        }
+        if !storage.grown.measure(network, radius, place)? {
+            storage.grown.forget();
+        } else if storage.grown.is_forgotten() {
+            storage.grown.settle();
+        } else {
+            storage.grown.take(time_step, volume_rate);
+            return Ok(true);
+        }
+        Ok(false)
     }
 }

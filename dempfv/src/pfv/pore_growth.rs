@@ -30,23 +30,25 @@ pub(super) struct Grown {
     now: Vec<f64>,
     /// Sphere centres from the box's lower corner (m): kept for its memory.
     local: Vec<Vec3>,
+    /// The volumes are not those up to which growth was taken: rates took its place.
+    forgotten: bool,
 }
 
 impl Grown {
-    /// Evaluates the volumes of the moment.
+    /// Evaluates the volumes of the moment. Says whether it could: a periodic cell may have changed too
+    /// much since the network was built.
     pub fn measure(
         &mut self,
         network: &Network,
         radius: &[f64],
         place: Place,
-    ) -> Result<(), PfvError> {
+    ) -> Result<bool, PfvError> {
         let Place { position, bounds, cell } = place;
         require_length("position", position.len(), radius.len(), "spheres")?;
         let Grown { now, local, .. } = self;
         now.resize(network.pores(), 0.0);
         if let Some(cell) = cell {
-            network.write_volumes_in_cell(position, cell, now);
-            return Ok(());
+            return Ok(network.write_volumes_in_cell(position, cell, now));
         }
         let mut x = std::mem::take(local);
         x.clear();
@@ -54,11 +56,22 @@ impl Grown {
         let frame = Frame { x, r: radius, size: bounds.size() };
         network.write_volumes(&frame, now);
         *local = frame.x;
-        Ok(())
+        Ok(true)
+    }
+
+    /// Rates take the place of growth.
+    pub fn forget(&mut self) {
+        self.forgotten = true;
+    }
+
+    /// Whether rates took the place of growth in the last step.
+    pub fn is_forgotten(&self) -> bool {
+        self.forgotten
     }
 
     /// The growth up to the volumes measured last is taken.
     pub fn settle(&mut self) {
+        self.forgotten = false;
         std::mem::swap(&mut self.volume, &mut self.now);
     }
 

@@ -20,6 +20,7 @@ pub(super) static SCHEMA: Schema = Schema::table(
         "checkpoint_every",
         "pictures",
         "energy",
+        "energy_turning",
         "state",
         "contacts",
         "probes",
@@ -41,6 +42,9 @@ pub struct Output {
     pub pictures: bool,
     /// Is energy tracked by cause? Default true.
     pub energy: bool,
+    /// Is what steps lose in which contacts turn a cause of its own? Default false: it is in the
+    /// residual.
+    pub energy_turning: bool,
     /// Has the history strains, effective stress and fabric? Default false.
     pub state: bool,
     /// Are the contacts written, with every VTK snapshot and at the end? Default false.
@@ -61,6 +65,7 @@ impl Default for Output {
             checkpoint_every: 0,
             pictures: true,
             energy: true,
+            energy_turning: false,
             state: false,
             contacts: false,
             probes: vec![],
@@ -83,6 +88,7 @@ impl Keyed for Output {
         keys.take("checkpoint_every", &Count(0), &mut self.checkpoint_every)?;
         keys.take("pictures", &Flag, &mut self.pictures)?;
         keys.take("energy", &Flag, &mut self.energy)?;
+        keys.take("energy_turning", &Flag, &mut self.energy_turning)?;
         keys.take("state", &Flag, &mut self.state)?;
         keys.take("contacts", &Flag, &mut self.contacts)?;
         keys.take("probes", &POINTS, &mut self.probes)?;

@@ -170,6 +170,7 @@ impl Simulation {
             let start = state.stage_start;
             active.restore(&mut coupled, &plan, going, &changes, (start, &state.clock))?;
         }
+        coupled.controls().track_turning(plan.output.energy_turning);
         coupled.take_up(progress)?;
         if changes.bear_on_time_step() {
             coupled.refresh_time_step();

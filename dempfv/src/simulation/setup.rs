@@ -131,5 +131,6 @@ pub(super) fn coupled(plan: &Plan, dem: Dem) -> Result<Coupled> {
         coupled.set_tolerance(fluid.tolerance)?;
     }
     coupled.watch(plan.output.probes.clone());
+    coupled.controls().track_turning(plan.output.energy_turning);
     Ok(coupled)
 }

@@ -79,7 +79,9 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "scene::Difference::is_in",
             "dem::GrowthCompaction::run",
             "dem::Dem::track_energy",
+            "dem::Dem::track_turning",
             "coupling::Controls::track_energy",
+            "coupling::Controls::track_turning",
         ],
         "takes any value of its argument's type, or one that was checked when it was made or will be \
          where it is used",

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use super::errors::Errors;
 use super::setting::Setting;
 use super::study::Study;
 use super::sweep::{Point, Runs, Sweep};
@@ -29,6 +28,8 @@ pub struct Choice {
     pub met: bool,
     /// Error of the same settings in a study that was not used for choosing.
     pub elsewhere: Option<f64>,
+    /// Why that is not known, where it was looked for.
+    pub not_elsewhere: Option<String>,
     /// How many times faster it is than the reference, and than the scene as it is.
     pub faster_than_reference: f64,
     pub faster_than_scene: f64,
@@ -40,8 +41,12 @@ pub fn choose(study: &Study, runs: &mut Runs<'_>, sweep: &Sweep, target: f64) ->
     let mut share = target / (GROUPS.len() as f64).sqrt();
     let mut best: Option<Point> = None;
     for _ in 0..TRIES {
-        let settings: Vec<Setting> =
+        let mut settings: Vec<Setting> =
             GROUPS.iter().filter_map(|group| fastest(&sweep.points, group, share)).collect();
+        // It has a tolerance of its own.
+        if settings.iter().any(|s| matches!(s, Setting::IteratedTolerance(_))) {
+            settings.retain(|s| !matches!(s, Setting::Tolerance(_)));
+        }
         let floor = sweep.floor.main();
         let (point, _) = runs.point("chosen", &settings, (&sweep.reference, None), floor);
         let better = best.as_ref().is_none_or(|b| b.error.is_nan() || point.error < b.error);
@@ -55,11 +60,12 @@ pub fn choose(study: &Study, runs: &mut Runs<'_>, sweep: &Sweep, target: f64) ->
         share *= 0.5;
     }
     let point = best.unwrap_or_else(|| sweep.scene.clone());
-    let reference = sweep.reference.seconds[0] / study.window;
+    let reference = sweep.reference_seconds(study.window);
     Choice {
         target,
         met: point.error <= target,
         elsewhere: None,
+        not_elsewhere: None,
         faster_than_reference: reference / point.seconds,
         faster_than_scene: sweep.scene.seconds / point.seconds,
         point,
@@ -76,7 +82,7 @@ const FASTER: f64 = 0.9;
 fn fastest(points: &[Point], group: &[&str], error: f64) -> Option<Setting> {
     let of_group = || {
         let among = points.iter().filter(|p| group.contains(&p.knob) && p.failed.is_none());
-        among.map(|p| (p, own(p)))
+        among.map(|p| (p, own(p))).filter(|(_, own)| !own.is_nan())
     };
     let good = of_group().filter(|(_, own)| *own <= error);
     let fastest = good.min_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
@@ -89,9 +95,9 @@ fn fastest(points: &[Point], group: &[&str], error: f64) -> Option<Setting> {
     chosen.settings.first().copied()
 }
 
-/// A point's own error; the finest of its knob has none.
+/// A point's own error; not a number where it is not known.
 fn own(point: &Point) -> f64 {
-    if point.own == Errors::default() { 0.0 } else { point.own.main() }
+    if point.is_finest { 0.0 } else { point.own.main() }
 }
 
 /// Points that none beats in both error and time, from the fastest on.
@@ -115,7 +121,9 @@ pub fn order(
     floor: f64,
     value: fn(&Setting) -> Option<f64>,
 ) -> Option<f64> {
-    let of_knob = points.iter().filter(|p| p.knob == knob && p.own.main() > 3.0 * floor);
+    // Without fluid there is no other solver to compare with.
+    let floor = if floor.is_nan() { 0.0 } else { 3.0 * floor };
+    let of_knob = points.iter().filter(|p| p.knob == knob && p.own.main() > floor);
     let logs: Vec<(f64, f64)> = of_knob
         .filter_map(|p| Some((value(p.settings.first()?)?.ln(), p.own.main().ln())))
         .filter(|(_, y)| y.is_finite())
@@ -132,6 +140,7 @@ pub fn order(
 
 #[cfg(test)]
 mod tests {
+    use super::super::errors::Errors;
     use super::*;
     use crate::bench::sample::Sample;
 
@@ -145,6 +154,7 @@ mod tests {
             error,
             seconds_per_second: Sample::default(),
             seconds,
+            is_finest: own == 0.0,
             under_floor: false,
             steps: 1,
             networks: 1,

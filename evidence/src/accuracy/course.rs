@@ -2,8 +2,10 @@
 
 use std::time::Instant;
 
+use dempfv::InputError;
 use dempfv::scene::Plan;
 use dempfv::simulation::{Outcome, Simulation};
+use dempfv_report::format::three_digits;
 use serde::{Deserialize, Serialize};
 
 use super::study::Study;
@@ -124,12 +126,18 @@ fn once(study: &Study, plan: &Plan) -> Result<Course> {
     let [mut pressure, mut drained, mut stress] = [1.5, 1.0, 1.0].map(Track::new);
     let mut moved = Track::new(0.0);
     let (mut seconds, mut left) = (0.0, 0.0);
-    let is_wet = plan.stages[study.stage].kind.is_coupled() && plan.fluid.is_some();
+    let is_wet = study.is_wet();
     loop {
         let complete = moved.is_complete() && stress.is_complete();
         let wet_complete = !is_wet || (pressure.is_complete() && drained.is_complete());
-        if complete && wet_complete || !study.is_in_stage(&simulation) {
+        if complete && wet_complete {
             break;
+        }
+        if !study.is_in_stage(&simulation) {
+            let [after, window] = [simulation.time() - study.start, study.window].map(three_digits);
+            let what = format!("the stage is over after {after} s of a window of {window} s");
+            let remedy = "give --seconds less, or the stage another end";
+            return Err(InputError::new(what, remedy).into());
         }
         let (clock, time) = (Instant::now(), simulation.time());
         simulation.advance()?;

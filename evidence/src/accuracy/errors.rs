@@ -41,11 +41,15 @@ impl Errors {
         [self.pressure, self.displacement, self.drained, self.stress, self.permeability]
     }
 
-    /// The error that is meant where one number is asked for: of pressures, and without fluid of
-    /// displacements, or where no wall moves of stresses; where nothing steps of the permeability.
+    /// The error that is meant where one number is asked for: of pressures; without fluid the larger of
+    /// those of displacements, which may be prescribed, and stresses; where nothing steps of the
+    /// permeability. Not a number where nothing is known.
     pub fn main(&self) -> f64 {
-        let moving = self.pressure.or(self.displacement).or(self.stress);
-        moving.or(self.permeability).unwrap_or(f64::NAN)
+        let dry = || match (self.displacement, self.stress) {
+            (Some(a), Some(b)) => Some(if a.is_nan() { a } else { b.max(a) }),
+            (a, b) => a.or(b),
+        };
+        self.pressure.or_else(dry).or(self.permeability).unwrap_or(f64::NAN)
     }
 }
 
@@ -57,9 +61,7 @@ fn relative(run: &Seen, other: &Seen) -> Option<f64> {
             size += b * b;
         }
     }
-    // A run that ended early has not seen what it should have.
-    let complete = run.len() == other.len();
-    (size > 0.0).then(|| if complete { (off / size).sqrt() } else { f64::NAN })
+    (size > 0.0).then(|| (off / size).sqrt())
 }
 
 #[cfg(test)]
@@ -73,10 +75,12 @@ mod tests {
 
     /// By hand: differences of 0.1 and 0.2 beside values of 1 and 2 are 10 %.
     #[test]
-    fn errors_are_relative_and_need_all_looks() {
+    fn errors_are_relative() {
         let errors = Errors::between(&course(&[1.1]), &course(&[1.0]));
         assert!((errors.main() - 0.1).abs() < 1e-12, "{errors:?}");
         assert_eq!(errors.all()[1..], [None; 4]);
-        assert!(Errors::between(&course(&[1.0]), &course(&[1.0, 1.0])).main().is_nan());
+        let dry = Errors { displacement: Some(0.0), stress: Some(0.5), ..Errors::default() };
+        assert_eq!(dry.main(), 0.5);
+        assert!(Errors::default().main().is_nan());
     }
 }

@@ -2,7 +2,6 @@
 
 use dempfv::coupling::{RemeshMode, Update};
 use dempfv::pfv::Clamp;
-use dempfv::scene::Plan;
 use dempfv::solver::SolverKind;
 
 use super::setting::{Omitted, Setting};
@@ -34,10 +33,10 @@ const TIME_STEPS: [f64; 6] = [0.0625, 0.125, 0.25, 0.5, 0.8, 0.95];
 /// All knobs that a study has, each with its settings; the first of each is the finest. Of `quick`
 /// sweeps fewer, and no intervals longer than the window.
 pub fn knobs(study: &Study, quick: bool) -> Vec<Vec<Setting>> {
-    let Study { plan, reference_share: finest, .. } = study;
+    let finest = &study.reference_share;
     let steps = study.window / study.limit;
     let mut all: Vec<Vec<Setting>> = vec![];
-    if plan.fluid.is_some() {
+    if study.is_wet() {
         let intervals = INTERVALS.into_iter().filter(|&n| n as f64 <= steps.max(1.0));
         all.push(intervals.map(Setting::Interval).collect());
         all.push(STRAINS.map(Setting::Strain).to_vec());
@@ -51,7 +50,7 @@ pub fn knobs(study: &Study, quick: bool) -> Vec<Vec<Setting>> {
     }
     let coarser = TIME_STEPS.into_iter().filter(|&share| share > 1.2 * finest);
     all.push(std::iter::once(*finest).chain(coarser).map(Setting::TimeStep).collect());
-    all.push(omissions(plan).into_iter().map(Setting::Without).collect());
+    all.push(omissions(study).into_iter().map(Setting::Without).collect());
     if quick {
         for settings in all.iter_mut().filter(|settings| settings.len() > FEW) {
             let finest = settings.first().copied();
@@ -67,13 +66,14 @@ pub fn knobs(study: &Study, quick: bool) -> Vec<Vec<Setting>> {
 }
 
 /// Effects that are on and can be left out.
-fn omissions(plan: &Plan) -> Vec<Omitted> {
+fn omissions(study: &Study) -> Vec<Omitted> {
+    let plan = &study.plan;
     let mut all = vec![];
     let clumps = plan.particles.clump.is_some();
     if plan.dem.is_some_and(|dem| dem.options.rotation) && !clumps {
         all.push(Omitted::Rotation);
     }
-    let Some(fluid) = &plan.fluid else { return all };
+    let Some(fluid) = plan.fluid.as_ref().filter(|_| study.is_wet()) else { return all };
     let effects = &fluid.effects;
     if fluid.fluid.slip_walls && plan.cell.is_none() {
         all.push(Omitted::WallSlip);

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use dempfv::InputError;
 use dempfv::io::atomic;
-use dempfv::scene::Plan;
+use dempfv::scene::{ParticleSource, Plan};
 use dempfv_report::machine;
 use dempfv_report::output::{OutputArgs, lock_folder, make_folder};
 use serde::{Deserialize, Serialize};
@@ -80,6 +80,7 @@ struct Begun {
     budget: f64,
     window: f64,
     whole: bool,
+    state_hash: String,
 }
 
 /// What was found.
@@ -115,7 +116,11 @@ pub fn run(args: &Args) -> Result<Report> {
         return Err(InputError::new(format!("--target is {target}"), remedy).into());
     }
     let budget = args.budget()?;
-    let plan = Plan::load(&args.scene)?;
+    let mut plan = Plan::load(&args.scene)?;
+    if let ParticleSource::Packing(path) = &mut plan.particles.source {
+        // A scene that is written elsewhere finds it, too. What is not there is told of below.
+        *path = path.canonicalize().unwrap_or_else(|_| path.clone());
+    }
     let folder = args.output.folder(&args.scene, JSON)?;
     let title = format!("What accuracy costs: {}", plan.title);
     let runs_folder = folder.join(RUNS);
@@ -124,8 +129,15 @@ pub fn run(args: &Args) -> Result<Report> {
     let begun = (!folder.join(JSON).exists()).then(|| Begun::read(&runs_folder)).flatten();
     let begun = begun.filter(|b| b.scene == scene && b.budget == budget);
     let extent = begun.as_ref().map_or(Extent::Budget(budget), |b| Extent::Window(b.window));
-    let mut study = Study::of(plan, extent)?;
-    study.whole |= begun.as_ref().is_some_and(|begun| begun.whole);
+    let mut study = Study::of(plan.clone(), extent)?;
+    let begun = begun.filter(|begun| begun.state_hash == study.state_hash);
+    match &begun {
+        Some(begun) => study.whole |= begun.whole,
+        None if matches!(extent, Extent::Window(_)) => {
+            study = Study::of(plan, Extent::Budget(budget))?;
+        }
+        None => {}
+    }
     make_folder(&folder)?;
     let _alone = lock_folder(&folder)?;
     if begun.is_none() && runs_folder.exists() {
@@ -135,7 +147,13 @@ pub fn run(args: &Args) -> Result<Report> {
     make_folder(&runs_folder)?;
     dempfv_report::json::write(
         &runs_folder.join(BEGUN),
-        &Begun { scene, budget, window: study.window, whole: study.whole },
+        &Begun {
+            scene,
+            budget,
+            window: study.window,
+            whole: study.whole,
+            state_hash: study.state_hash.clone(),
+        },
     )?;
     let mut runs = Runs::new(&study, &runs_folder, args.quick);
     let sweep = runs.sweep()?;
@@ -147,7 +165,10 @@ pub fn run(args: &Args) -> Result<Report> {
             let settings = &choice.point.settings;
             let scene = study.with(settings).to_toml();
             atomic::write(&folder.join(SCENE), scene.as_bytes())?;
-            choice.elsewhere = elsewhere(&study, settings, &runs_folder)?;
+            match elsewhere(&study, settings, &runs_folder) {
+                Ok(error) => choice.elsewhere = error,
+                Err(error) => choice.not_elsewhere = Some(error.to_string()),
+            }
         }
     }
     let picture = page::picture(&title, &sweep, &chosen);
@@ -170,6 +191,7 @@ pub fn run(args: &Args) -> Result<Report> {
     let html = page::html(&title, &svg, &parts, &sweep, &chosen);
     let html_path = folder.join(HTML);
     atomic::write(&html_path, html.as_bytes())?;
+    let (floor, reference_seconds) = (sweep.floor.main(), sweep.reference_seconds(study.window));
     let mut points = vec![sweep.scene];
     points.extend(sweep.points);
     let report = Report {
@@ -178,8 +200,8 @@ pub fn run(args: &Args) -> Result<Report> {
         stage: study.stage_name.clone(),
         window_s: study.window,
         whole_stage: study.whole,
-        floor: sweep.floor.main(),
-        reference_seconds: sweep.reference.seconds[0] / study.window,
+        floor,
+        reference_seconds,
         points,
         words: page::words(&chosen),
         chosen,

@@ -17,10 +17,11 @@ use super::sweep::{Point, Sweep};
 pub const DEFINITIONS: &str = "Errors are relative: the root of the sum of squares of the differences to the \
 reference, over 32 moments evenly spread in the window and all that is seen in each, over the root of the sum \
 of squares of the reference itself. Seen are the pressure at up to 1,000 spheres (the mean of the pores around \
-each, by volume), the displacement of each wall since the window began, what has left through all walls, and \
+each, by volume), the displacement of each wall since the window began, prescribed ones too, what has left through all walls, and \
 the stress on each wall; each at the time that it belongs to: pressures half a step before the positions that \
-gave them, of which the contacts are; or a permeability. The *own* error is that of pressures (displacements without fluid) beside the same \
-scene with the finest setting of the same knob: what this knob alone does. Energy is what the balance misses \
+gave them, of which the contacts are; or a permeability. The *own* error is that of pressures (without fluid the larger of displacements and stresses) beside the same \
+scene with the finest setting of the same knob, or with a network at each step where the knob is one of \
+networks: what this knob alone does. Energy is what the balance misses \
 over all that was moved, of the run itself. Time is wall time per model time, the median of up to three turns. \
 A star: the own error is below what separates two references with different linear solvers.";
 
@@ -73,10 +74,14 @@ pub fn about(study: &Study, sweep: &Sweep) -> String {
              1e-12 and bounds no conductance: {} s. With the other linear solver it is off by {}.\n",
             study.spheres,
             study.stage_name,
-            three_digits(sweep.reference.seconds[0]),
+            three_digits(sweep.reference_seconds(1.0)),
             shown(Some(sweep.floor.main())),
         );
     }
+    let reference = match study.is_wet() {
+        true => "builds a network at each step, solves to 1e-12 and takes steps",
+        false => "takes steps",
+    };
     let whole = match study.whole {
         true => "to its end".to_owned(),
         false => format!(
@@ -87,15 +92,14 @@ pub fn about(study: &Study, sweep: &Sweep) -> String {
     };
     format!(
         "{} spheres, stage `{}` from its beginning {whole}: {} stable time steps of {} s. The reference \
-         builds a network at each step, solves to 1e-12 and takes steps of {} of the stable one: {} s per \
-         second of model time, {} steps. Another reference with the other linear solver is off by {} in \
-         the main error.\n",
+         {reference} of {} of the stable one: {} s per \
+         second of model time, {} steps. Another reference with the other linear solver is off by {}.\n",
         study.spheres,
         study.stage_name,
         three_digits(study.window / study.limit),
         three_digits(study.limit),
         three_digits(study.reference_share),
-        three_digits(sweep.reference.seconds[0] / study.window),
+        three_digits(sweep.reference_seconds(study.window)),
         sweep.reference.steps,
         shown(Some(sweep.floor.main())),
     )
@@ -125,6 +129,13 @@ pub fn words(choices: &[Choice]) -> String {
             ),
             None => writeln!(text, "."),
         };
+        if let Some(why) = &choice.not_elsewhere {
+            let _ = writeln!(text, "- Not tried on other spheres: {why}.");
+        }
+    }
+    if choices.iter().any(|c| c.point.settings.iter().any(|s| matches!(s, Setting::TimeStep(_)))) {
+        text += "- A `dt` chosen here is fixed, from the stable step when the window began: where a packing \
+                 stiffens later, give `dt = \"auto\"` a `safety` of that share.\n";
     }
     text
 }

@@ -2,11 +2,14 @@
 
 use std::fmt;
 
-use dempfv::coupling::{EdgeEffects, RemeshMode, RemeshRule, Update};
+use dempfv::coupling::{EdgeEffects, OnFailure, RemeshMode, RemeshRule, Swap, Update};
 use dempfv::pfv::Clamp;
 use dempfv::scene::{Fluid, Plan, TimeStep};
 use dempfv::solver::SolverKind;
 use serde::{Deserialize, Serialize};
+
+/// Steps between networks where nobody says how many.
+const DEFAULT_INTERVAL: u64 = 200;
 
 /// An effect that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -98,7 +101,20 @@ impl Setting {
                 fluid.remesh = RemeshRule { interval: None, strain: Some(share) };
                 fluid.acceleration.auto_interval = false;
             }
-            Setting::Mode(mode) => fluid.acceleration.remesh = mode,
+            Setting::Mode(mode) => {
+                let how = &mut fluid.acceleration;
+                how.remesh = mode;
+                // What only the background knows of.
+                if mode != RemeshMode::Background {
+                    how.swap = Swap::WhenDue;
+                    if std::mem::take(&mut how.auto_interval) {
+                        fluid.remesh.interval.get_or_insert(DEFAULT_INTERVAL);
+                    }
+                }
+                if mode == RemeshMode::AtOnce {
+                    how.on_failure = OnFailure::Stop;
+                }
+            }
             Setting::Update(update) => fluid.acceleration.update = update,
             Setting::Solver(solver) => fluid.solver = solver,
             Setting::Tolerance(tolerance) => fluid.tolerance = tolerance,

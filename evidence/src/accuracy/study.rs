@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use dempfv::InputError;
-use dempfv::scene::{ParticleSource, Plan, StageKind, TimeStep};
+use dempfv::scene::{ParticleSource, Plan, StageKind, TimeStep, Until};
 use dempfv::simulation::{Simulation, SimulationState};
 use dempfv_report::progress::Progress;
 
@@ -30,6 +30,8 @@ pub struct Study {
     /// Time step of the reference over that (1).
     pub reference_share: f64,
     pub spheres: usize,
+    /// Of the state where all runs begin.
+    pub state_hash: String,
     /// Nothing steps: a permeability is measured once, and takes the place of a second.
     pub is_static: bool,
 }
@@ -45,6 +47,8 @@ pub enum Extent {
 
 /// Largest time step of the reference over the largest stable one (1).
 const COARSEST: f64 = 0.25;
+/// Largest stable steps between the window's end and that of the stage.
+const MARGIN: f64 = 6.0;
 /// Steps of the reference that are timed to choose the window.
 const TRIAL: u32 = 6;
 /// The reference takes at least so many steps, however slow they are.
@@ -77,6 +81,7 @@ impl Study {
         if is_static {
             let spheres = simulation.coupled().dem().len();
             let (state, start) = (simulation.state(), simulation.time());
+            let state_hash = simulation.state_hash();
             let (window, limit, reference_share, whole) = (1.0, 1.0, 1.0, true);
             return Ok(Study {
                 plan,
@@ -89,6 +94,7 @@ impl Study {
                 limit,
                 reference_share,
                 spheres,
+                state_hash,
                 is_static,
             });
         }
@@ -102,6 +108,7 @@ impl Study {
         automatic.stages[stage].dt = Some(TimeStep::Auto);
         let mut look = Simulation::restart(automatic, state.clone())?;
         let (start, spheres) = (look.time(), look.coupled().dem().len());
+        let state_hash = look.state_hash();
         look.advance()?;
         let limit = look.time_step_bounds().map_or(f64::NAN, |bounds| bounds.limit());
         if !(limit.is_finite() && limit > 0.0) {
@@ -127,6 +134,7 @@ impl Study {
             limit,
             reference_share,
             spheres,
+            state_hash,
             is_static: false,
         };
         study.choose_window(extent)?;
@@ -149,6 +157,12 @@ impl Study {
             simulation.advance()?;
         }
         Study::from(self.plan.clone(), self.stage, simulation.state(), extent).map(Some)
+    }
+
+    /// Whether the stage has a fluid.
+    pub fn is_wet(&self) -> bool {
+        let kind = &self.plan.stages[self.stage].kind;
+        self.plan.fluid.is_some() && (self.is_static || kind.is_coupled())
     }
 
     /// Whether a run is still in the stage.
@@ -181,16 +195,24 @@ impl Study {
             Extent::Budget(seconds) => self.affordable(seconds)?,
             Extent::Window(window) => window,
         };
+        // No run shall leave the stage before it has seen the last moment, and of some more steps.
+        let margin = MARGIN * self.limit;
         let mut whole = Simulation::restart(self.plan.clone(), self.state.clone())?;
-        while whole.time() < self.start + affordable && self.is_in_stage(&whole) {
+        while whole.time() < self.start + affordable + margin && self.is_in_stage(&whole) {
             whole.advance()?;
         }
         let lasts = whole.time() - self.start;
-        // The last step of another time step may not be reached by each run.
         (self.window, self.whole) = match self.is_in_stage(&whole) {
             true => (affordable, false),
-            false => (lasts - 4.0 * self.limit, true),
+            false => (lasts - margin, true),
         };
+        // A number of steps is another time with each time step.
+        if let StageKind::Run(run) = &mut self.plan.stages[self.stage].kind
+            && let Until::Steps(steps) = run.until
+        {
+            let ends = if self.whole { lasts } else { steps as f64 * whole.dt() };
+            run.until = Until::Time(ends.max(self.window + margin));
+        }
         if self.window <= 2.0 * self.limit {
             let what = format!("stage {} is over after {lasts} s", self.stage_name);
             let remedy = "accuracy needs a stage of some more time steps";

@@ -38,6 +38,8 @@ pub struct Point {
     pub seconds_per_second: Sample,
     /// Their median.
     pub seconds: f64,
+    /// The finest setting of its knob, which has no error of its own.
+    pub is_finest: bool,
     /// The own error is below what separates two references.
     pub under_floor: bool,
     /// Steps, and networks that came into use.
@@ -62,6 +64,13 @@ pub struct Sweep {
     pub points: Vec<Point>,
 }
 
+impl Sweep {
+    /// Wall seconds per second of model time that the reference takes, whose window has this length (s).
+    pub fn reference_seconds(&self, window: f64) -> f64 {
+        Sample(self.reference.seconds.clone()).median() / window
+    }
+}
+
 /// Runs, kept in files, so that a sweep that was stopped goes on.
 pub struct Runs<'a> {
     study: &'a Study,
@@ -73,6 +82,8 @@ pub struct Runs<'a> {
 /// A run that is done.
 #[derive(Serialize, Deserialize)]
 struct Kept {
+    /// Of the spheres where it began, and the program.
+    state: String,
     scene: String,
     start: f64,
     window: f64,
@@ -88,10 +99,12 @@ impl<'a> Runs<'a> {
     fn course(&mut self, name: &str, plan: &Plan) -> Result<Course> {
         let path = self.folder.join(format!("{}.json", slug(name)));
         let Study { start, window, .. } = *self.study;
+        let state = format!("{} {}", env!("CARGO_PKG_VERSION"), self.study.state_hash);
         let scene = plan.to_toml();
         let kept = std::fs::read(&path).ok().and_then(|b| serde_json::from_slice::<Kept>(&b).ok());
         if let Some(kept) = kept
-            && (&kept.scene, kept.start, kept.window) == (&scene, start, window)
+            && (&kept.state, &kept.scene) == (&state, &scene)
+            && (kept.start, kept.window) == (start, window)
         {
             return Ok(kept.course);
         }
@@ -100,7 +113,7 @@ impl<'a> Runs<'a> {
         let turns = |seconds: f64| if quick || seconds > SHORT { 1 } else { TURNS };
         let course = run(self.study, plan, turns)?;
         self.progress.waited();
-        let kept = Kept { scene, start, window, course };
+        let kept = Kept { state, scene, start, window, course };
         let text = dempfv_report::json::text(&kept)?;
         atomic::write(&path, text.as_bytes())?;
         Ok(kept.course)
@@ -165,6 +178,7 @@ impl<'a> Runs<'a> {
             error: errors.main(),
             seconds: times.median(),
             seconds_per_second: times,
+            is_finest: false,
             under_floor: own.main() < floor,
             steps: course.as_ref().map_or(0, |c| c.steps),
             networks: course.as_ref().map_or(0, |c| c.networks),
@@ -190,19 +204,28 @@ impl<'a> Runs<'a> {
         self.course("scene as it is", &self.study.plan)?;
         let (scene, _) = self.point("scene", &[], (&exact, None), limit);
         let mut points = vec![];
+        // All that renews networks is beside a network at each step.
+        let mut each_step: Option<Course> = None;
         for settings in knobs(self.study, self.quick) {
             let mut finest: Option<Course> = None;
             for (i, setting) in settings.iter().enumerate() {
                 let beside = match setting {
                     // Nothing is left out in the scene as it is.
                     Setting::Without(_) => Some(self.course("scene as it is", &self.study.plan)?),
+                    Setting::Strain(_)
+                    | Setting::Mode(_)
+                    | Setting::Update(_)
+                    | Setting::IteratedTolerance(_) => each_step.clone(),
                     _ => finest.clone(),
                 };
                 let (mut point, course) =
                     self.point(setting.knob(), &[*setting], (&exact, beside.as_ref()), limit);
-                if i == 0 && !matches!(setting, Setting::Without(_)) {
+                if i == 0 && beside.is_none() {
+                    point.is_finest = course.is_some();
                     finest = course;
-                    point.own = Errors::default();
+                    if matches!(setting, Setting::Interval(_)) {
+                        each_step = finest.clone();
+                    }
                 }
                 points.push(point);
             }

@@ -59,6 +59,12 @@ pub const CASES: &[Case] = &[
         changes: &[("output", "energy", "true")],
     },
     Case {
+        name: "turning as a cause",
+        over: Some("energy by cause"),
+        effects: &[],
+        changes: &[("output", "energy_turning", "true")],
+    },
+    Case {
         name: "automatic time step",
         over: Some("friction and rotation"),
         effects: &[],

@@ -163,7 +163,7 @@ static ENERGY: [Entry; 24] = [
         "energy.turning",
         "J",
         "Lost by steps in which contacts turn, since springs follow the directions after each step and \
-         forces act along those before it, too; negative where made.",
+         forces act along those before it, too; negative where made. 0 without `energy_turning`.",
     ),
     entry(
         "energy.step_change",

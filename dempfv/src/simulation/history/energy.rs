@@ -78,7 +78,7 @@ static COLUMNS: &[Column] = &[
         "turning_loss_j",
         "J",
         "Lost by steps in which contacts turn, since springs follow the directions after each step and \
-         forces act along those before it, too; negative where made.",
+         forces act along those before it, too; negative where made. 0 without `energy_turning`.",
         |s, _| term(s, |b| b.turning),
     ),
     column(
