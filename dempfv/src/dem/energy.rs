@@ -150,7 +150,7 @@ impl Dem {
 
     /// Whether energy that is tracked has what turning contacts lose for a cause
     /// ([`EnergyBalance::turning`]); it is in the residual otherwise. On unless told. It takes two more
-    /// forces of each contact in each step, which doubles the time of a dry one.
+    /// forces of each contact in each step: a dry one takes two and a half times as long.
     pub fn track_turning(&mut self, on: bool) {
         self.tracks_turning = on;
     }
