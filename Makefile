@@ -28,6 +28,10 @@ CONTEST := out/compare-peers
 PAPER := out/paper
 EVERY_STEP := out/every-step
 EFFECT_COSTS := out/effect-costs
+ACCURACY := out/accuracy
+ACCURACY_SCENES := caulk2020 oedometer impact sedimentation triaxial-undrained permeability
+# Seconds that each reference may take.
+ACCURACY_SECONDS := 60
 BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
@@ -35,7 +39,7 @@ WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint torture fuzz vtk-test demo-test docs-test package-test memcheck racecheck \
-	compare compare-test compare-yade yade-test paper every-step effect-costs cuda cuda-test bundle bench install-packages \
+	compare compare-test compare-yade yade-test paper every-step effect-costs accuracy cuda cuda-test bundle bench install-packages \
 	install-test-packages install-yade install-lammps install-memcheck-packages install-peers
 
 help: ## List these commands
@@ -142,6 +146,14 @@ effect-costs: build ## Measure what each effect adds to the time of a step; writ
 	$(DEMPFV) effect-costs --out $(EFFECT_COSTS) --force
 	cp $(EFFECT_COSTS)/effect-costs.md $(EFFECT_COSTS)/effect-costs.csv docs/
 	DEMPFV_WRITE_DOCS=1 cargo test --locked --test effects_page
+
+accuracy: build install-yade ## Measure what accuracy costs in six scenes, YADE beside; fills docs/accuracy/ (an hour, goes on where it stopped)
+	set -e; for scene in $(ACCURACY_SCENES); do \
+	    test -f $(ACCURACY)/$$scene/accuracy.json || \
+	        $(DEMPFV) accuracy scenes/$$scene.toml --seconds $(ACCURACY_SECONDS) --out $(ACCURACY)/$$scene; \
+	    mkdir -p docs/accuracy/$$scene; \
+	    cp $(ACCURACY)/$$scene/accuracy.md $(ACCURACY)/$$scene/*.png $(ACCURACY)/$$scene/accuracy.csv docs/accuracy/$$scene/; \
+	done
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda

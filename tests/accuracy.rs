@@ -152,3 +152,33 @@ fn what_cannot_be_measured_is_said() {
     }
     assert!(!folder.0.join("out").exists());
 }
+
+/// A run that keeps to an error states it, with what it has chosen; a sweep sets the statement beside the
+/// true error, which is within a factor of 4 (of a short window, in which little was looked at).
+#[test]
+fn a_run_states_its_error() {
+    let folder = Folder::new("accuracy-kept");
+    let drained = scene(RUN).replace("bulk_modulus = 1e7\n", "");
+    folder.write("k.toml", &format!("{drained}[accuracy]\ntarget = 0.05\n"));
+    folder.done(&["run", "k.toml", "--out", "k"]);
+    let summary: serde_json::Value = serde_json::from_str(&folder.read("k/summary.json")).unwrap();
+    let stated = |key: &str| summary["accuracy"][key].as_f64().unwrap();
+    assert_eq!(stated("target"), 0.05);
+    let parts = ["network", "time_step", "solver"].map(|p| stated(&format!("estimated_{p}_error")));
+    let sum = parts.iter().map(|p| p * p).sum::<f64>().sqrt();
+    assert!((sum - stated("estimated_error")).abs() < 1e-12 && sum > 0.0 && sum < 0.1, "{parts:?}");
+    let history = folder.read("k/history.csv");
+    for column in ["time_step_share", "remesh_strain", "estimated_error"] {
+        assert!(history.lines().next().unwrap().contains(column), "{column}");
+    }
+    folder.write("f.toml", &drained);
+    let words = ["accuracy", "f.toml", "--quick", "--seconds", "2", "--out", "f", "--json", "-"];
+    let report: serde_json::Value = serde_json::from_str(&folder.done(&words)).unwrap();
+    let points = report["points"].as_array().unwrap();
+    let kept: Vec<_> = points.iter().filter(|p| p["knob"] == "error control").collect();
+    assert!(kept.len() >= 2, "{points:?}");
+    for point in kept {
+        let [estimate, error] = ["estimate", "error"].map(|key| point[key].as_f64().unwrap());
+        assert!(estimate > 0.25 * error && estimate < 4.0 * error, "{point}");
+    }
+}

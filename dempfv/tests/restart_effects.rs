@@ -183,6 +183,29 @@ fn a_sheared_cell_with_a_gradient() -> String {
     )
 }
 
+/// A saturated packing under a new load, whose steps and networks follow an error.
+fn an_error_that_is_kept_to() -> String {
+    format!(
+        r#"
+        [particles]
+        {PACKING}
+        friction_angle = 30
+        [dem]
+        damping = 0.2
+        [fluid]
+        viscosity = 0.1
+        pressure = {{ y_max = 0.0 }}
+        remesh = "ahead"
+        [accuracy]
+        target = 0.05
+        [[stage]]
+        kind = "run"
+        steps = 70
+        walls = {{ y_max = {{ velocity = -0.5 }} }}
+        "#
+    )
+}
+
 fn plan(text: &str) -> Plan {
     Plan::from_toml(text, None).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
@@ -242,6 +265,11 @@ fn a_cell_with_shear_stress_and_flow() {
     restarts_alike("cell", &a_sheared_cell_with_a_gradient());
 }
 
+#[test]
+fn an_error_kept_to() {
+    restarts_alike("error", &an_error_that_is_kept_to());
+}
+
 /// The scenes above have every effect that a scene can name: who adds one, adds it here.
 #[test]
 fn every_effect_is_among_them() {
@@ -251,6 +279,7 @@ fn every_effect_is_among_them() {
         clumps_on_a_moving_floor(),
         sticky_spheres(),
         a_sheared_cell_with_a_gradient(),
+        an_error_that_is_kept_to(),
     ];
     let plans: Vec<Plan> = scenes.iter().map(|text| plan(text)).collect();
     let on: BTreeSet<&str> = plans.iter().flat_map(Plan::effects_on).collect();

@@ -13,7 +13,7 @@ struct Short {
     steps: u64,
 }
 
-const SHORT: [Short; 10] = [
+const SHORT: [Short; 11] = [
     Short {
         scene: "caulk2020",
         replaced: &[("oedometer-5000.txt", "oedometer-1000.txt")],
@@ -22,6 +22,7 @@ const SHORT: [Short; 10] = [
     Short { scene: "cemented-column", replaced: &[("steps = 4000", "steps = 500")], steps: 500 },
     Short { scene: "dry-triaxial", replaced: &[("count = 2000", "count = 200")], steps: 1000 },
     Short { scene: "first", replaced: &[], steps: 500 },
+    Short { scene: "impact", replaced: &[], steps: 500 },
     Short { scene: "oedometer", replaced: &[("count = 1000", "count = 100")], steps: 500 },
     Short { scene: "piping", replaced: &[("time = 0.1", "time = 0.02")], steps: 200 },
     Short { scene: "sedimentation", replaced: &[("count = 200", "count = 60")], steps: 2000 },

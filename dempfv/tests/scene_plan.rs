@@ -90,6 +90,22 @@ const MISTAKES: &[Mistake] = &[
     (|p| dem(p).options.gravity = Some(Vec3::new(0.0, f64::NAN, 0.0)), "`gravity` in [dem] is [0"),
     (|p| p.dem = None, "stage \"compact\" moves spheres, but there is no [dem]"),
     (|p| fluid(p).fluid.viscosity = 0.0, "`viscosity` in [fluid] is 0"),
+    (|p| p.accuracy = Some(Accuracy { target: 1.0 }), "`target` in [accuracy] is 1"),
+    (
+        |p| {
+            p.accuracy = Some(Accuracy { target: 0.1 });
+            fluid(p).effects.bulk_modulus = Some(1e6);
+        },
+        "[accuracy] stands beside `bulk_modulus` in [fluid]",
+    ),
+    (
+        |p| {
+            p.accuracy = Some(Accuracy { target: 0.1 });
+            p.fluid = None;
+            p.stages.truncate(2);
+        },
+        "[accuracy] stands in a scene where no fluid flows",
+    ),
     (|p| fluid(p).tolerance = f64::NAN, "`tolerance` in [fluid] is NaN"),
     (|p| fluid(p).remesh.interval = Some(0), "`remesh_interval` in [fluid] is 0"),
     (|p| fluid(p).remesh.interval = None, "`remesh_interval` in [fluid] is none"),
@@ -313,6 +329,23 @@ const MIDDLE: &str = "stiffness_ratio = 0.3\nfriction_angle = 23.7\n[walls]\nyou
                       max_velocity = 0.7\n[dem]\ndt = 1.3e-5\nsafety = 0.55\ndamping = 0.15\n\
                       gravity = [0.1, -9.81, 0.0]\nrotation = false\n";
 
+/// From the fluid to how its networks are swapped.
+const FLUID: &str = r#"[fluid]
+viscosity = 1.7e-3
+bulk_modulus = 2.2e9
+density = 998.5
+imposed = [{ center = [0.1, 0.2, 0.3], radius = 0.1, pressure = 3.5 }]
+coupling = "two-way"
+conductance_factor = 0.83
+conductance_regions = [{ center = [0.2, 0.7, 0.9], radius = 0.11, factor = 3.1 }]
+blocked = [{ points = [[0.2, 1.7, 2.9], [0.3, 1.6, 2.8]] }]
+sources = [{ min = [0.5, 0.5, 0.5], max = [0.7, 0.8, 0.9], rate = -1.5e-6 }]
+remesh_interval = 77
+remesh_strain = 0.013
+remesh = "background"
+swap = "when ready"
+"#;
+
 /// What replaces what in `EVERY_KEY`.
 const OTHER_WAYS: &[(&str, &str)] = &[
     ("clamp = \"relative\"\n", "darcy_permeability = 1.3e-9\n"),
@@ -358,6 +391,10 @@ const OTHER_WAYS: &[(&str, &str)] = &[
         "rotation = false\n[fluid]\n",
         "[fluid]\nviscous_shear = true\nnormal_lubrication = true\nshear_lubrication = true\n\
          pump_torque = true\ntwist_torque = true\neps = 0.02\nlubrication_stiffness = 1.2e6\n",
+    ),
+    (
+        FLUID,
+        "[accuracy]\ntarget = 0.03\n[fluid]\nviscosity = 1.7e-3\nremesh = \"background\"\ndensity = 998.5\n",
     ),
     ("remesh_interval = 77", "remesh_interval = \"auto\""),
     ("remesh_interval = 77\n", ""),

@@ -81,6 +81,7 @@ impl Coupled {
 
     /// Counts what the last solve left.
     pub(super) fn book_solve(&mut self) {
+        self.compare_with_replaced();
         if let Some(ActiveNetwork { flow, iterations, state, .. }) = &self.remesher.current {
             if let Some(solve) = iterations {
                 self.update_counts.add(*solve, state.exhausted);
@@ -96,7 +97,7 @@ impl Coupled {
 }
 
 /// What the fluid feels in a step from `dt` on (s).
-fn motion<'a>(
+pub(super) fn motion<'a>(
     dem: &Dem,
     velocity: &'a [Vec3],
     dt: f64,

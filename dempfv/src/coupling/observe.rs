@@ -151,20 +151,11 @@ impl Coupled {
     /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa),
     /// by the user's numbers; 0 for a sphere that is a vertex of no pore.
     pub fn pressure_at_spheres(&self) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.dem.storage().len()];
-        if let Some(flow) = self.storage_flow() {
-            let (cells, volume) = (&flow.network().tessellation.cells, &flow.network().volume);
-            for ((cell, v), p) in cells.iter().zip(volume).zip(flow.pressure()) {
-                for &vertex in cell {
-                    if let Some(sum) = sums.get_mut(vertex as usize) {
-                        *sum = (sum.0 + v * p, sum.1 + v);
-                    }
-                }
-            }
+        let spheres = self.dem.storage().len();
+        match self.storage_flow() {
+            Some(flow) => self.dem.numbered(&flow.pressure_at_spheres(spheres)),
+            None => vec![0.0; spheres],
         }
-        let mean = |(weighted, volume)| if volume > 0.0 { weighted / volume } else { 0.0 };
-        let pressure: Vec<f64> = sums.into_iter().map(mean).collect();
-        self.dem.numbered(&pressure)
     }
 
     /// Pressure of the pore that contained each watched point when the network was built

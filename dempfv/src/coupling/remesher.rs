@@ -18,6 +18,7 @@ use super::error::{CouplingError, Result};
 use super::fluid_state::{FluidState, Place, Snapshot};
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
+use super::network_change::Comparison;
 use super::network_source::{NetworkSource, RemeshContext};
 use super::options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use super::phases::{Phase, Phases};
@@ -40,6 +41,8 @@ pub(super) struct Remesher {
     prepared: bool,
     pub counts: RemeshCounts,
     pub gpu: GpuUse,
+    /// Of each network with the one that it replaces.
+    pub comparison: Comparison,
 }
 
 /// What is left of a network that made room.
@@ -91,6 +94,7 @@ impl Remesher {
             prepared: false,
             counts: RemeshCounts::default(),
             gpu: GpuUse::default(),
+            comparison: Comparison::default(),
         }
     }
 
@@ -215,6 +219,7 @@ impl Remesher {
         let interval = self.interval(rule);
         match &self.current {
             Some(network) if Due::of(network, rule, interval).whole => {
+                self.look_before_swap(&context, phases)?;
                 self.build_here(context, phases)
             }
             _ => Ok(()),
@@ -239,7 +244,11 @@ impl Remesher {
             }
             // Once a step at most, however fast the background is.
             let ready = !swapped && self.is_ready_to_swap();
-            if !(ready || self.must_swap(&due)) || !self.swap(context, phases)? {
+            if !(ready || self.must_swap(&due)) {
+                return Ok(());
+            }
+            self.look_before_swap(&context, phases)?;
+            if !self.swap(context, phases)? {
                 return Ok(());
             }
             swapped = true;

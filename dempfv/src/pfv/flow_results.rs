@@ -17,6 +17,22 @@ pub struct Permeability {
 }
 
 impl Flow {
+    /// Mean pressure of the pores around each sphere, weighted by their volumes (Pa), in the order of the
+    /// positions that the network was built of; 0 for a sphere that is a vertex of no pore.
+    pub(crate) fn pressure_at_spheres(&self, spheres: usize) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); spheres];
+        let (cells, volume) = (&self.network().tessellation.cells, &self.network().volume);
+        for ((cell, v), p) in cells.iter().zip(volume).zip(self.pressure()) {
+            for &vertex in cell {
+                if let Some(sum) = sums.get_mut(vertex as usize) {
+                    *sum = (sum.0 + v * p, sum.1 + v);
+                }
+            }
+        }
+        let mean = |(weighted, volume)| if volume > 0.0 { weighted / volume } else { 0.0 };
+        sums.into_iter().map(mean).collect()
+    }
+
     /// What the last [`Flow::update_pressure`] left, where its refinements did not come down to
     /// the tolerance: the larger of the estimated error of the pressures, relative to the largest, and
     /// of the imbalance of fluid mass (1).

@@ -5,6 +5,7 @@
 //! keys, how they are read, checked and written, what must hold, and the names of its effects. A
 //! new key is a field with its default, a word in the table's `SCHEMA`, and a line in its `keys`.
 
+mod accuracy;
 mod bonds;
 mod cell;
 mod choice;
@@ -40,6 +41,7 @@ mod watched;
 mod wrong;
 
 pub use crate::dem::{CellControl, CellControls, WallControl};
+pub use accuracy::Accuracy;
 pub use bonds::Bonds;
 pub use cell::CellShape;
 pub use choice::SphereChoice;

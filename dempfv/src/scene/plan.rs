@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::accuracy::Accuracy;
 use super::bonds::Bonds;
 use super::cell::CellShape;
 use super::contacts::{Contacts, NormalLaw};
@@ -41,6 +42,7 @@ pub(super) static SCHEMA: Schema = Schema::root(&[
     "dem",
     "motion",
     "fluid",
+    "accuracy",
     "stage",
     "output",
 ]);
@@ -103,6 +105,8 @@ pub struct Plan {
     pub motions: Vec<GivenMotion>,
     /// The fluid in the pores; `None`: nothing is triangulated.
     pub fluid: Option<Fluid>,
+    /// An error that the run keeps to by itself; `None`: nothing is estimated.
+    pub accuracy: Option<Accuracy>,
     /// What happens, in order. At least one.
     pub stages: Vec<Stage>,
     /// What is written, and how often.
@@ -127,6 +131,7 @@ impl Default for Plan {
             dem: None,
             motions: vec![],
             fluid: None,
+            accuracy: None,
             stages: vec![],
             output: Output::default(),
         }
@@ -171,6 +176,7 @@ impl Plan {
         self.dem.iter().try_for_each(Keyed::check)?;
         self.motions.iter().try_for_each(Keyed::check)?;
         self.fluid.iter().try_for_each(Keyed::check)?;
+        self.accuracy.iter().try_for_each(Keyed::check)?;
         self.stages.iter().try_for_each(Stage::check)?;
         self.output.check()?;
         let keys = Keys::Check(&output::SCHEMA);
@@ -187,6 +193,12 @@ impl Plan {
         if let Some(Wrong { problem, remedy }) = around {
             let what = format!("[fluid] {problem}");
             return Err(Fault { place: Place::Table("fluid"), what, remedy });
+        }
+        let error = self.accuracy.as_ref();
+        let error = error.and_then(|a| a.wrong_in(&self.stages, self.fluid.as_ref()));
+        if let Some(Wrong { problem, remedy }) = error {
+            let what = format!("[accuracy] {problem}");
+            return Err(Fault { place: Place::Table("accuracy"), what, remedy });
         }
         self.rules_of_cell()?;
         for (i, stage) in self.stages.iter().enumerate() {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
+use super::accuracy::{self, Accuracy};
 use super::bonds::{self, Bonds};
 use super::cell::{self, CellShape};
 use super::contacts::{self, Contacts};
@@ -36,7 +37,7 @@ use crate::input::InputError;
 type Result<T> = std::result::Result<T, InputError>;
 
 /// All tables of a scene.
-static SCHEMAS: [&Schema; 35] = [
+static SCHEMAS: [&Schema; 36] = [
     &plan::SCHEMA,
     &plan::BOX,
     &cell::SCHEMA,
@@ -51,6 +52,7 @@ static SCHEMAS: [&Schema; 35] = [
     &dem::SCHEMA,
     &motion::SCHEMA,
     &fluid::SCHEMA,
+    &accuracy::SCHEMA,
     &fluid::PRESSURE,
     &time_function::SCHEMA,
     &wall_pressure::SCHEMA,
@@ -187,6 +189,7 @@ impl Plan {
         self.dem.iter().for_each(|dem| table("[dem]", dem.write()));
         self.motions.iter().for_each(|motion| table("[[motion]]", motion.write()));
         self.fluid.iter().for_each(|fluid| table("[fluid]", fluid.write()));
+        self.accuracy.iter().for_each(|accuracy| table("[accuracy]", accuracy.write()));
         self.stages.iter().for_each(|stage| table("[[stage]]", stage.write()));
         table("[output]", self.output.write());
         text
@@ -224,6 +227,7 @@ fn read(root: &Table) -> Result<Plan> {
     let dem = read_or(root, "dem", Dem::default())?;
     let motions = read_array(root, "motion", &motion::SCHEMA, GivenMotion::default())?;
     let fluid = read_or(root, "fluid", Fluid::default())?;
+    let accuracy = read_or(root, "accuracy", Accuracy::default())?;
     let stages = read_stages(root, &Before { walls: &walls, has_fluid: fluid.is_some() })?;
     let output = match root.get("output") {
         Some(value) => read_output(&value, bounds.as_ref(), fluid.is_some())?,
@@ -244,6 +248,7 @@ fn read(root: &Table) -> Result<Plan> {
         dem,
         motions,
         fluid,
+        accuracy,
         stages,
         output,
     })

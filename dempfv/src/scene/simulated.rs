@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::accuracy::ERROR_CONTROL;
 use super::bonds::Bonds;
 use super::dem::Dem;
 use super::fluid::Fluid;
@@ -45,6 +46,7 @@ impl Plan {
         effects.extend(stage::effects(&self.stages));
         effects.extend(Fluid::effects(flow, conditioned, coupled, self.cell.is_some()));
         effects.extend(lubrication::described(coupled.map(|fluid| &fluid.effects.edges)));
+        effects.push((&ERROR_CONTROL, self.accuracy.is_some()));
         effects.push((&ENERGY, contacts && self.output.energy));
         effects
     }

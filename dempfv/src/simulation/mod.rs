@@ -22,10 +22,14 @@
 mod advice;
 mod clock;
 mod conditions;
+mod controlled_steps;
+mod error_control;
+mod error_estimate;
 mod estimate;
 mod fingerprint;
 mod grading;
 pub mod history;
+mod look_ahead;
 mod outcome;
 mod phase_costs;
 mod restart;
@@ -34,11 +38,14 @@ mod setup;
 mod specimen;
 mod stability;
 mod stages;
+mod state;
 mod warning;
 
 pub use crate::stage_error::StageError;
 pub use advice::{Advice, Verdict};
 pub use conditions::check_conditions;
+pub use error_control::ErrorControl;
+pub use error_estimate::ErrorEstimate;
 pub use estimate::{Estimate, UnstableStage};
 pub use grading::{Grading, GradingClass};
 pub use outcome::{
@@ -46,8 +53,9 @@ pub use outcome::{
     PermeabilityTest, Profile, StageOutcome, StressPath, StressPathSample,
 };
 pub use restart::{Change, Effect, Restart};
-pub use run::{Simulation, SimulationState};
+pub use run::Simulation;
 pub use setup::initial_packing;
 pub use specimen::Specimen;
 pub use stability::Stability;
+pub use state::SimulationState;
 pub use warning::{BondsUnderLoad, LateLoad, ServoMissed, Warning};

@@ -3,88 +3,50 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::clock::Clock;
 use super::conditions::check_conditions;
+use super::error_control::ErrorControl;
 use super::estimate::UnstableStage;
 use super::fingerprint::fingerprint;
 use super::outcome::{Consolidation, Outcome, StageOutcome};
-use super::restart::{self, Effect, Origin, Restart, UnderWay};
+use super::restart::{self, Effect, Origin, Restart};
 use super::setup;
 use super::stages::{Active, Changes, Context, Progress};
+use super::state::{SimulationState, check_stages};
 use super::warning::{Warning, warn};
 use crate::coupling::{
-    Controls, Coupled, CoupledState, NetworkBuilder, Observation, Parameters, StandardBuilder,
-    TimeStepBounds, UnmetTolerance,
+    Controls, Coupled, NetworkBuilder, Observation, Parameters, StandardBuilder, TimeStepBounds,
+    UnmetTolerance,
 };
 use crate::dem::DemError;
 use crate::dem::law::Linear;
 use crate::io::checkpoint::Spheres;
 use crate::scene::{self, Plan, Stage};
-use crate::{Error, InputError, PerWall, Result};
+use crate::{Error, PerWall, Result};
 
 /// A plan being carried out.
 ///
 /// [`advance`](Simulation::advance) does one step; between two steps the
 /// caller may look, save the [`SimulationState`], or stop.
 pub struct Simulation {
-    plan: Plan,
+    pub(super) plan: Plan,
     origin: Origin,
     restarted: Option<Restart>,
-    coupled: Coupled,
-    clock: Clock,
+    pub(super) coupled: Coupled,
+    pub(super) clock: Clock,
     /// Index of the current stage; the number of stages when all are done.
-    stage: usize,
+    pub(super) stage: usize,
     active: Option<Active>,
     stage_start: (u64, f64),
     outcomes: Vec<StageOutcome>,
     previous_remeshes: u64,
     warnings: Vec<Warning>,
     stress_extremes: PerWall<[f64; 2]>,
+    pub(super) error_control: Option<ErrorControl>,
 }
 
 /// No stress was seen yet.
 const NO_STRESS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
-
-/// Everything that a checkpoint must hold to go on with the same bits.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SimulationState {
-    /// First, so that a checkpoint can be read as a packing.
-    spheres: Spheres,
-    origin: Origin,
-    clock: Clock,
-    stage: u64,
-    active: Option<Active>,
-    stage_start: (u64, f64),
-    outcomes: Vec<StageOutcome>,
-    remeshes: u64,
-    warnings: Vec<Warning>,
-    stress_extremes: PerWall<[f64; 2]>,
-    coupled: CoupledState,
-}
-
-impl SimulationState {
-    /// Steps done when the state was taken.
-    pub fn step(&self) -> u64 {
-        self.clock.step
-    }
-
-    /// Model time when the state was taken (s).
-    pub fn time(&self) -> f64 {
-        self.clock.time
-    }
-
-    /// How far the run had come, in the stages of these names.
-    fn under_way<'a>(&'a self, names: &'a [String]) -> UnderWay<'a> {
-        let steps = self.clock.step - self.stage_start.0;
-        let going = self.active.as_ref().zip(names.get(self.stage as usize));
-        UnderWay {
-            over: self.outcomes.iter().map(|o| o.name.as_str()).collect(),
-            stage: going.map(|(active, name)| (name.as_str(), active.kind(), steps)),
-        }
-    }
-}
 
 impl Simulation {
     /// Loads or draws the packing of a plan and puts it at rest in its box.
@@ -97,8 +59,11 @@ impl Simulation {
         let specimen = setup::specimen(&plan)?;
         check_conditions(&plan, &specimen.position, &specimen.radius, specimen.bounds)?;
         let origin = Origin::new(&plan, &specimen.position, &specimen.radius, specimen.bounds);
-        let coupled = setup::coupled(&plan, setup::mechanics(&plan, specimen)?)?;
+        let mut coupled = setup::coupled(&plan, setup::mechanics(&plan, specimen)?)?;
+        let error_control = plan.accuracy.as_ref().map(ErrorControl::new);
+        coupled.compare_networks(error_control.is_some());
         Ok(Simulation {
+            error_control,
             plan,
             origin,
             restarted: None,
@@ -157,6 +122,14 @@ impl Simulation {
         let materials = plan.materials();
         saved.set_densities(&materials.iter().map(|m| m.density).collect::<Vec<_>>());
         saved.parameters = parameters(&plan, is_wet, going.map(|s| (s, state.stage_start.1)));
+        let error_control = match (&plan.accuracy, state.error_control) {
+            (Some(accuracy), Some(mut control)) => {
+                control.aim_at(accuracy);
+                control.resume(&mut saved.parameters);
+                Some(control)
+            }
+            (accuracy, _) => accuracy.as_ref().map(ErrorControl::new),
+        };
         if changes.outdate_network() {
             saved.forget_network();
         }
@@ -171,6 +144,7 @@ impl Simulation {
             active.restore(&mut coupled, &plan, going, &changes, (start, &state.clock))?;
         }
         coupled.controls().track_turning(plan.output.energy_turning);
+        coupled.compare_networks(error_control.is_some());
         coupled.take_up(progress)?;
         if changes.bear_on_time_step() {
             coupled.refresh_time_step();
@@ -188,6 +162,7 @@ impl Simulation {
             previous_remeshes: state.remeshes,
             warnings,
             stress_extremes: state.stress_extremes,
+            error_control,
         })
     }
 
@@ -247,33 +222,22 @@ impl Simulation {
     }
 
     fn try_advance(&mut self) -> Result<bool> {
-        let Some(stage) = self.plan.stages.get(self.stage) else { return Ok(false) };
-        let stage_steps = self.clock.step - self.stage_start.0;
-        let mut context = Context {
-            stage_steps,
-            warnings: &mut self.warnings,
-            plan: &self.plan,
-            stage,
-            coupled: &mut self.coupled,
-            clock: &mut self.clock,
-            outcomes: &self.outcomes,
-        };
-        let mut active = match self.active.take() {
-            Some(active) => active,
-            None => {
-                let bonds = context.plan.bonds.as_ref();
-                if bonds.is_some_and(|b| b.begin_with(&stage.name, self.stage == 0)) {
-                    context.bond()?;
-                }
-                let is_first = self.stage == 0;
-                let begun = Active::start(&mut context)?;
-                context.give_motions(is_first)?;
-                begun
-            }
-        };
-        match active.advance(&mut context) {
+        if self.stage >= self.plan.stages.len() {
+            return Ok(false);
+        }
+        if self.active.is_none() {
+            self.active = Some(self.begin_stage()?);
+        }
+        self.control_error()?;
+        let Some(mut active) = self.active.take() else { return Ok(false) };
+        let (stage, step) = (self.stage, self.clock.step);
+        let advanced = active.advance(&mut self.context(stage));
+        if advanced.is_ok() && self.clock.step > step {
+            self.book_error(stage);
+        }
+        match advanced {
             Ok(Progress::Finished(outcome)) => {
-                let name = stage.name.clone();
+                let name = self.plan.stages[stage].name.clone();
                 self.finish_stage(name, *outcome);
             }
             Ok(Progress::Running) => self.active = Some(active),
@@ -284,6 +248,38 @@ impl Simulation {
             }
         }
         Ok(self.stage < self.plan.stages.len())
+    }
+
+    /// What a stage works on.
+    fn context(&mut self, stage: usize) -> Context<'_> {
+        let controlled = self.error_control.as_ref().filter(|_| self.is_coupled(stage));
+        Context {
+            share: controlled.map(ErrorControl::share),
+            stage_steps: self.clock.step - self.stage_start.0,
+            warnings: &mut self.warnings,
+            plan: &self.plan,
+            stage: &self.plan.stages[stage],
+            coupled: &mut self.coupled,
+            clock: &mut self.clock,
+            outcomes: &self.outcomes,
+        }
+    }
+
+    /// Whether fluid flows between moving spheres in a stage.
+    pub(super) fn is_coupled(&self, stage: usize) -> bool {
+        self.plan.stages.get(stage).is_some_and(|stage| stage.kind.is_coupled())
+    }
+
+    fn begin_stage(&mut self) -> Result<Active> {
+        let (number, is_first) = (self.stage, self.stage == 0);
+        let mut context = self.context(number);
+        let bonds = context.plan.bonds.as_ref();
+        if bonds.is_some_and(|b| b.begin_with(&context.stage.name, is_first)) {
+            context.bond()?;
+        }
+        let begun = Active::start(&mut context)?;
+        context.give_motions(is_first)?;
+        Ok(begun)
     }
 
     fn finish_stage(&mut self, name: String, outcome: Outcome) {
@@ -382,7 +378,14 @@ impl Simulation {
             )
         });
         let networks = self.coupled.remesh_counts().remarks.warnings();
-        self.warnings.iter().map(Warning::to_string).chain(unmet).chain(networks).collect()
+        let missed = self.missed_target();
+        self.warnings
+            .iter()
+            .map(Warning::to_string)
+            .chain(missed)
+            .chain(unmet)
+            .chain(networks)
+            .collect()
     }
 
     /// What the finished stages found out.
@@ -419,6 +422,7 @@ impl Simulation {
             remeshes: self.remeshes(),
             warnings: self.warnings.clone(),
             stress_extremes: self.stress_extremes,
+            error_control: self.error_control.clone(),
             coupled: self.coupled.state(),
         }
     }
@@ -465,34 +469,4 @@ fn parameters(plan: &Plan, is_wet: bool, going: Option<(&Stage, f64)>) -> Parame
         tolerance: fluid.map(|f| f.tolerance),
         probes: plan.output.probes.clone(),
     }
-}
-
-/// Refuses a state that has come through other stages than the plan's; `names` are those of its own
-/// scene.
-fn check_stages(plan: &Plan, state: &SimulationState, names: &[String]) -> Result<(), InputError> {
-    let remedy = "restart with the scene that the checkpoint was made with";
-    if state.stage_start.0 > state.clock.step {
-        let what = "the checkpoint's stage begins after its last step";
-        return Err(InputError::new(what, "take a checkpoint that this program wrote"));
-    }
-    let begun = state.outcomes.len() + usize::from(state.active.is_some());
-    if begun > plan.stages.len() {
-        let what =
-            format!("the checkpoint is in stage {begun}, the scene has {}", plan.stages.len());
-        return Err(InputError::new(what, remedy));
-    }
-    let done = state.outcomes.iter().map(|o| (o.name.as_str(), o.outcome.kind()));
-    let name = names.get(state.stage as usize).map_or("", String::as_str);
-    let going = state.active.iter().map(|a| (name, a.kind()));
-    for ((name, kind), stage) in done.chain(going).zip(&plan.stages) {
-        if (name, kind) != (stage.name.as_str(), stage.kind.name()) {
-            let what = format!(
-                "the checkpoint has a {kind} stage `{name}` where the scene has a {} stage `{}`",
-                stage.kind.name(),
-                stage.name
-            );
-            return Err(InputError::new(what, remedy));
-        }
-    }
-    Ok(())
 }

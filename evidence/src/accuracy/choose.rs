@@ -158,6 +158,8 @@ mod tests {
             under_floor: false,
             steps: 1,
             networks: 1,
+            theory: None,
+            estimate: None,
             energy: None,
             failed: None,
             settings: vec![Setting::Interval(steps)],

@@ -37,6 +37,10 @@ pub struct Course {
     pub networks: u64,
     /// Seconds of each turn.
     pub seconds: Vec<f64>,
+    /// Largest distance of the degree of consolidation from Terzaghi's theory (1), in a consolidation.
+    pub theory: Option<f64>,
+    /// The error that the run estimated of itself (1).
+    pub estimate: Option<f64>,
     /// What the balance of energy misses, over all that was moved (1).
     pub energy: Option<f64>,
 }
@@ -163,12 +167,20 @@ fn once(study: &Study, plan: &Plan) -> Result<Course> {
         steps: simulation.step() - first,
         networks: simulation.coupled().remeshes(),
         seconds: vec![seconds],
+        theory: simulation.consolidation().map(|c| c.largest_error(0.0, f64::INFINITY)),
+        estimate: simulation.error_estimate().map(|estimate| estimate.total),
         energy: energy.map(|e| (e.residual / e.moved()).abs()),
     })
 }
 
+/// At spheres (Pa); less their mean in a periodic cell, where an incompressible fluid leaves a constant open.
 fn pressures(simulation: &Simulation) -> Vec<f64> {
-    let all = simulation.coupled().pressure_at_spheres();
+    let mut all = simulation.coupled().pressure_at_spheres();
+    let stores = simulation.coupled().fluid_effects().bulk_modulus.is_some();
+    if simulation.coupled().dem().cell().is_some() && !stores {
+        let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+        all.iter_mut().for_each(|p| *p -= mean);
+    }
     let apart = all.len().div_ceil(SPHERES).max(1);
     all.into_iter().step_by(apart).collect()
 }

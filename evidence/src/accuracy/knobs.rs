@@ -26,6 +26,8 @@ const INTERVALS: [u64; 10] = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 const STRAINS: [f64; 4] = [0.001, 0.01, 0.05, 0.3];
 /// Quick sweeps try every second setting of knobs that have more than these.
 const FEW: usize = 4;
+/// Errors that runs keep to by themselves.
+const TARGETS: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 const TOLERANCES: [f64; 6] = [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2];
 /// Time steps as shares of the largest stable one.
 const TIME_STEPS: [f64; 6] = [0.0625, 0.125, 0.25, 0.5, 0.8, 0.95];
@@ -50,6 +52,10 @@ pub fn knobs(study: &Study, quick: bool) -> Vec<Vec<Setting>> {
     }
     let coarser = TIME_STEPS.into_iter().filter(|&share| share > 1.2 * finest);
     all.push(std::iter::once(*finest).chain(coarser).map(Setting::TimeStep).collect());
+    let kept = Setting::Target(TARGETS[0]);
+    if !study.is_static && study.with(&[kept]).validate().is_ok() {
+        all.push(TARGETS.map(Setting::Target).to_vec());
+    }
     all.push(omissions(study).into_iter().map(Setting::Without).collect());
     if quick {
         for settings in all.iter_mut().filter(|settings| settings.len() > FEW) {

@@ -5,6 +5,7 @@ mod course;
 mod errors;
 mod knobs;
 mod page;
+mod picture;
 mod setting;
 mod study;
 mod sweep;
@@ -30,7 +31,7 @@ const JSON: &str = "accuracy.json";
 const CSV: &str = "accuracy.csv";
 const MARKDOWN: &str = "accuracy.md";
 const HTML: &str = "accuracy.html";
-const PICTURE: &str = "accuracy";
+const PICTURES: [&str; 2] = ["accuracy", "accuracy-alone"];
 /// The scene with the settings for `--target`.
 const SCENE: &str = "chosen.toml";
 /// Folder of single runs, so that a sweep that was stopped goes on.
@@ -171,8 +172,10 @@ pub fn run(args: &Args) -> Result<Report> {
             }
         }
     }
-    let picture = page::picture(&title, &sweep, &chosen);
-    picture.save(&folder, PICTURE)?;
+    let pictures = [picture::together(&title, &sweep, &chosen), picture::alone(&title, &sweep)];
+    for (picture, name) in pictures.iter().zip(PICTURES) {
+        picture.save(&folder, name)?;
+    }
     let parts = [
         page::about(&study, &sweep),
         page::words(&chosen),
@@ -181,13 +184,15 @@ pub fn run(args: &Args) -> Result<Report> {
         format!("{}. Measured on {}.", machine::description(), machine::today()),
     ];
     let markdown = format!(
-        "# {title}\n\n![Error against time]({PICTURE}.png)\n\n{}\n\n{}",
+        "# {title}\n\n![Error against time]({}.png)\n\n![What each knob does alone]({}.png)\n\n{}\n\n{}",
+        PICTURES[0],
+        PICTURES[1],
         parts.join("\n\n"),
         page::points_table(&sweep, &chosen)
     );
     atomic::write(&folder.join(MARKDOWN), markdown.as_bytes())?;
     atomic::write(&folder.join(CSV), page::csv(&sweep, &chosen).as_bytes())?;
-    let svg = picture.to_svg();
+    let svg = pictures.map(|picture| picture.to_svg()).join("\n");
     let html = page::html(&title, &svg, &parts, &sweep, &chosen);
     let html_path = folder.join(HTML);
     atomic::write(&html_path, html.as_bytes())?;

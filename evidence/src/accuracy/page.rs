@@ -4,10 +4,8 @@ use std::fmt::Write as _;
 
 use dempfv_report::format::three_digits;
 use dempfv_report::markdown::{NOTHING, cell, table};
-use dempfv_report::plot::color::INK;
-use dempfv_report::plot::{Axis, Mark, Picture, SERIES, Series, xy};
 
-use super::choose::{Choice, order, pareto};
+use super::choose::{Choice, order};
 use super::errors::QUANTITIES;
 use super::setting::Setting;
 use super::study::Study;
@@ -21,7 +19,7 @@ each, by volume), the displacement of each wall since the window began, prescrib
 the stress on each wall; each at the time that it belongs to: pressures half a step before the positions that \
 gave them, of which the contacts are; or a permeability. The *own* error is that of pressures (without fluid the larger of displacements and stresses) beside the same \
 scene with the finest setting of the same knob, or with a network at each step where the knob is one of \
-networks: what this knob alone does. Energy is what the balance misses \
+networks: what this knob alone does. Estimated is the error of pressures that a run with `[accuracy]` states of itself. Energy is what the balance misses \
 over all that was moved, of the run itself. Time is wall time per model time, the median of up to three turns. \
 A star: the own error is below what separates two references with different linear solvers.";
 
@@ -34,7 +32,7 @@ fn row(point: &Point) -> Vec<String> {
     let mut cells = vec![format!("{}: {}", point.knob, point.setting)];
     if let Some(failed) = &point.failed {
         cells.push(format!("ended: {failed}"));
-        cells.resize(10, String::new());
+        cells.resize(11, String::new());
         return cells;
     }
     let star = if point.under_floor { " *" } else { "" };
@@ -42,6 +40,7 @@ fn row(point: &Point) -> Vec<String> {
     cells.push(point.seconds_per_second.show(1.0));
     cells.extend(point.errors.all().map(shown));
     cells.push(format!("{}{star}", shown(own)));
+    cells.push(shown(point.estimate));
     cells.push(shown(point.energy));
     cells.push(format!("{} / {}", point.steps, point.networks));
     cells
@@ -59,6 +58,7 @@ pub fn points_table(sweep: &Sweep, choices: &[Choice]) -> String {
         fourth,
         fifth,
         "own",
+        "estimated",
         "energy",
         "steps / networks",
     ];
@@ -90,10 +90,20 @@ pub fn about(study: &Study, sweep: &Sweep) -> String {
             three_digits(study.window)
         ),
     };
+    let theory = match (sweep.reference.theory, sweep.scene.theory) {
+        (Some(reference), Some(scene)) => format!(
+            "\nBeside Terzaghi's theory the degree of consolidation is off by {} in the reference and by {} in the \
+             scene as it is, at most in this window: what both have is the model's error, and no setting takes it \
+             away.\n",
+            three_digits(reference),
+            three_digits(scene)
+        ),
+        _ => String::new(),
+    };
     format!(
         "{} spheres, stage `{}` from its beginning {whole}: {} stable time steps of {} s. The reference \
          {reference} of {} of the stable one: {} s per \
-         second of model time, {} steps. Another reference with the other linear solver is off by {}.\n",
+         second of model time, {} steps. Another reference with the other linear solver is off by {}.\n{theory}",
         study.spheres,
         study.stage_name,
         three_digits(study.window / study.limit),
@@ -160,54 +170,11 @@ pub fn orders(sweep: &Sweep) -> String {
     )
 }
 
-/// Error against time, a line for each knob.
-pub fn picture(title: &str, sweep: &Sweep, choices: &[Choice]) -> Picture {
-    let mut knobs: Vec<&str> = vec![];
-    for point in &sweep.points {
-        if !knobs.contains(&point.knob) {
-            knobs.push(point.knob);
-        }
-    }
-    let of = |points: &mut dyn Iterator<Item = &Point>| -> (Vec<f64>, Vec<f64>) {
-        points.filter(|p| p.error.is_finite()).map(|p| (p.seconds, p.error)).unzip()
-    };
-    let curves: Vec<_> =
-        knobs.iter().map(|knob| of(&mut sweep.points.iter().filter(|p| p.knob == *knob))).collect();
-    let front = of(&mut pareto(&sweep.points).into_iter());
-    let chosen = of(&mut choices.iter().map(|choice| &choice.point));
-    let scene = of(&mut std::iter::once(&sweep.scene));
-    let line = |width, dash| Mark::Line { width, dash };
-    let dots = |radius| Mark::Dots { radius, apart: 0.0 };
-    let mut series: Vec<Series> = vec![];
-    for (i, (knob, (x, y))) in knobs.iter().zip(&curves).enumerate() {
-        let color = SERIES[i % SERIES.len()];
-        let dash = (i >= SERIES.len()).then_some([5.0, 3.0]);
-        let name = Some((*knob).to_owned());
-        series.push(Series { name, x, y, color, mark: line(1.4, dash) });
-        series.push(Series { name: None, x, y, color, mark: dots(2.6) });
-    }
-    let (name, color) = (Some("none is better in both".to_owned()), INK);
-    series.push(Series {
-        name,
-        x: &front.0,
-        y: &front.1,
-        color,
-        mark: line(1.0, Some([2.0, 3.0])),
-    });
-    for (name, (x, y), radius) in [("the scene", &scene, 4.5), ("chosen", &chosen, 6.0)] {
-        let color = if name == "chosen" { SERIES[1] } else { INK };
-        series.push(Series { name: Some(name.to_owned()), x, y, color, mark: dots(radius) });
-    }
-    let x = Axis::log("Wall time per model time (1)");
-    let y = Axis::log("Error beside the reference (1)");
-    xy(title, "Each line is one knob, all else as the scene has it", x, y, &series)
-}
-
 /// One row for each point.
 pub fn csv(sweep: &Sweep, choices: &[Choice]) -> String {
     let mut text =
         "knob,setting,seconds_per_second,error,error_pressure,error_displacement,error_drained,\
-                    error_stress,error_permeability,own_error,under_floor,energy,steps,networks,failed\n"
+                    error_stress,error_permeability,own_error,under_floor,estimated_error,energy,steps,networks,failed\n"
             .to_owned();
     let number =
         |v: Option<f64>| v.filter(|v| v.is_finite()).map_or(String::new(), |v| format!("{v:e}"));
@@ -218,7 +185,7 @@ pub fn csv(sweep: &Sweep, choices: &[Choice]) -> String {
         let errors: Vec<String> = p.errors.all().map(number).to_vec();
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{}",
             p.knob,
             quoted(&p.setting),
             number(Some(p.seconds)),
@@ -226,6 +193,7 @@ pub fn csv(sweep: &Sweep, choices: &[Choice]) -> String {
             errors.join(","),
             number(own),
             p.under_floor,
+            number(p.estimate),
             number(p.energy),
             p.steps,
             p.networks,

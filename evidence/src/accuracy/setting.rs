@@ -4,12 +4,14 @@ use std::fmt;
 
 use dempfv::coupling::{EdgeEffects, OnFailure, RemeshMode, RemeshRule, Swap, Update};
 use dempfv::pfv::Clamp;
-use dempfv::scene::{Fluid, Plan, TimeStep};
+use dempfv::scene::{Accuracy, Fluid, Plan, TimeStep};
 use dempfv::solver::SolverKind;
 use serde::{Deserialize, Serialize};
 
 /// Steps between networks where nobody says how many.
 const DEFAULT_INTERVAL: u64 = 200;
+/// Share of the stable step that runs may take which keep to an error.
+const SAFETY: f64 = 0.8;
 
 /// An effect that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,6 +47,8 @@ pub enum Setting {
     Clamp(Clamp),
     /// Time step as a share of the largest stable one at the start.
     TimeStep(f64),
+    /// An error that the run keeps to by itself.
+    Target(f64),
     /// An effect left out.
     Without(Omitted),
 }
@@ -62,6 +66,7 @@ impl Setting {
             Setting::IteratedTolerance(_) => "tolerance, every step",
             Setting::Clamp(_) => "clamp",
             Setting::TimeStep(_) => "time step",
+            Setting::Target(_) => "error control",
             Setting::Without(_) => "effects",
         }
     }
@@ -82,6 +87,13 @@ impl Setting {
     pub fn apply(&self, plan: &mut Plan, stage: usize, limit: f64) {
         if let Setting::TimeStep(share) = self {
             plan.stages[stage].dt = Some(TimeStep::Fixed(share * limit));
+        }
+        if let Setting::Target(target) = *self {
+            plan.accuracy = Some(Accuracy { target });
+            plan.stages[stage].dt = Some(TimeStep::Auto);
+            if let Some(dem) = &mut plan.dem {
+                dem.safety = SAFETY;
+            }
         }
         if let (Setting::Without(Omitted::Rotation), Some(dem)) = (self, &mut plan.dem) {
             dem.options.rotation = false;
@@ -131,6 +143,11 @@ impl Setting {
                 Omitted::WallSlip => fluid.fluid.slip_walls = false,
                 Omitted::Rotation => {}
             },
+            Setting::Target(_) => {
+                fluid.remesh = RemeshRule { interval: Some(DEFAULT_INTERVAL), strain: None };
+                fluid.acceleration.auto_interval = false;
+                fluid.acceleration.swap = Swap::WhenDue;
+            }
             Setting::TimeStep(_) => {}
         }
     }
@@ -151,6 +168,7 @@ impl fmt::Display for Setting {
             }
             Setting::Clamp(clamp) => write!(f, "clamp = \"{}\"", clamp.name()),
             Setting::TimeStep(share) => write!(f, "dt = {share} of the stable step"),
+            Setting::Target(target) => write!(f, "[accuracy] target = {target}"),
             Setting::Without(omitted) => f.write_str(match omitted {
                 Omitted::Rotation => "without rotation",
                 Omitted::Compressibility => "without bulk_modulus",

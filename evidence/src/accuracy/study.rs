@@ -185,6 +185,10 @@ impl Study {
     /// The scene with these settings.
     pub fn with(&self, settings: &[Setting]) -> Plan {
         let mut plan = self.plan.clone();
+        // What is set is not left to the run.
+        if !settings.is_empty() {
+            plan.accuracy = None;
+        }
         settings.iter().for_each(|setting| setting.apply(&mut plan, self.stage, self.limit));
         plan
     }

@@ -45,6 +45,10 @@ pub struct Point {
     /// Steps, and networks that came into use.
     pub steps: u64,
     pub networks: u64,
+    /// Largest distance of the degree of consolidation from Terzaghi's theory (1), in a consolidation.
+    pub theory: Option<f64>,
+    /// The error that the run estimated of itself (1).
+    pub estimate: Option<f64>,
     /// What the balance of energy misses, over all that was moved (1).
     pub energy: Option<f64>,
     /// Why the run did not come through the window.
@@ -182,6 +186,8 @@ impl<'a> Runs<'a> {
             under_floor: own.main() < floor,
             steps: course.as_ref().map_or(0, |c| c.steps),
             networks: course.as_ref().map_or(0, |c| c.networks),
+            theory: course.as_ref().and_then(|c| c.theory),
+            estimate: course.as_ref().and_then(|c| c.estimate),
             energy: course.as_ref().and_then(|c| c.energy),
             failed,
             settings: settings.to_vec(),
@@ -216,6 +222,8 @@ impl<'a> Runs<'a> {
                     | Setting::Mode(_)
                     | Setting::Update(_)
                     | Setting::IteratedTolerance(_) => each_step.clone(),
+                    // It has no finest setting.
+                    Setting::Target(_) => Some(exact.clone()),
                     _ => finest.clone(),
                 };
                 let (mut point, course) =

@@ -8,7 +8,7 @@ pub fn keys() -> impl Iterator<Item = &'static Entry> {
     RUN.iter().chain(&REMESH).chain(&ENERGY).chain(stages::KEYS)
 }
 
-static RUN: [Entry; 69] = [
+static RUN: [Entry; 74] = [
     entry("title", "", "The scene's title."),
     entry("finished", "", "Whether all stages are done."),
     entry("interrupted", "", "Whether a signal ended the run."),
@@ -66,6 +66,19 @@ static RUN: [Entry; 69] = [
     entry("calls.neighbour_lists", "1", "Neighbour lists of the contacts, likewise."),
     entry("largest_residual", "1", "Largest residual of a first solve after a factorization."),
     entry("largest_imbalance", "1", "Largest imbalance of fluid mass of any step, over the flow."),
+    entry(
+        "accuracy.target",
+        "1",
+        "Error of the pore pressures that was asked for; `accuracy` is null without [accuracy].",
+    ),
+    entry(
+        "accuracy.estimated_error",
+        "1",
+        "The estimate: root of the mean square over spheres and time, beside that of the pressures.",
+    ),
+    entry("accuracy.estimated_network_error", "1", "Of that, by the age of networks."),
+    entry("accuracy.estimated_time_step_error", "1", "Of that, by the length of the steps."),
+    entry("accuracy.estimated_solver_error", "1", "Of that, by the solver's tolerance."),
     entry("peak_memory_bytes", "byte", "The most memory that the process had."),
     entry("threads", "1", "Threads."),
     entry("solver", "", "The linear solver asked for; null without a fluid."),

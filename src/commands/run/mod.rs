@@ -1,5 +1,6 @@
 //! `dempfv run`: carries out a scene.
 
+mod accuracy;
 mod end_state;
 mod frames;
 mod grading;

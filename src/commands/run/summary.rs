@@ -18,6 +18,7 @@ use dempfv_report::{machine, versions};
 use serde::Serialize;
 
 use super::super::kernels;
+use super::accuracy::Accuracy;
 use super::remesh::Remesh;
 use super::restart::Restart;
 
@@ -71,6 +72,8 @@ pub struct Report {
     largest_residual: f64,
     /// Largest relative imbalance of fluid mass of any step.
     largest_imbalance: f64,
+    /// The error that the run keeps to; `None` without `[accuracy]`.
+    accuracy: Option<Accuracy>,
     /// Energy by cause (J) since the last stage that grew spheres; `None` where it is not tracked.
     energy: Option<EnergyBalance>,
     peak_memory_bytes: Option<u64>,
@@ -170,6 +173,7 @@ impl Report {
             remesh: plan.fluid.is_some().then(|| Remesh::of(coupled)),
             largest_residual: coupled.largest_residual(),
             largest_imbalance: coupled.largest_imbalance(),
+            accuracy: Accuracy::of(simulation),
             energy: coupled.dem().energy_balance(),
             peak_memory_bytes: machine::own_memory(machine::PEAK),
             threads,
@@ -342,6 +346,9 @@ impl fmt::Display for Report {
         }
         if let Some(line) = self.remesh.as_ref().and_then(Remesh::line) {
             writeln!(f, "  {line}")?;
+        }
+        if let Some(accuracy) = &self.accuracy {
+            writeln!(f, "  {accuracy}")?;
         }
         if let Some(gpu) = &self.gpu {
             writeln!(f, "  {}", gpu_line(gpu))?;

@@ -6,6 +6,7 @@
 mod boundaries;
 mod column;
 mod energy;
+mod error_control;
 mod general;
 mod material;
 
@@ -21,7 +22,8 @@ use crate::scene::Plan;
 pub fn groups() -> impl Iterator<Item = &'static Group> {
     let parts = [general::GROUPS, boundaries::WALLS, energy::GROUPS];
     let more = [boundaries::WATCHED, boundaries::CELL, energy::MOTIONS, energy::BONDS];
-    parts.into_iter().chain(more).chain([material::GROUPS]).flatten()
+    let last = [material::GROUPS, error_control::GROUPS];
+    parts.into_iter().chain(more).chain(last).flatten()
 }
 
 /// Names of the columns that the history of a scene has.

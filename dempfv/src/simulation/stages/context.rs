@@ -26,6 +26,8 @@ pub(in crate::simulation) struct Context<'a> {
     pub stage_steps: u64,
     pub warnings: &'a mut Vec<Warning>,
     pub outcomes: &'a [StageOutcome],
+    /// Time step over the largest stable one, where an error is kept to.
+    pub share: Option<f64>,
 }
 
 /// Whether a stage goes on.
@@ -62,7 +64,13 @@ impl Context<'_> {
         {
             self.watch_fixed_step()?;
         }
-        self.clock.next_dt(dt, safety, self.coupled)
+        let Some(share) = self.share else { return self.clock.next_dt(dt, safety, self.coupled) };
+        let mut next = self.clock.next_dt(TimeStep::Auto, share, self.coupled)?;
+        if let TimeStep::Fixed(longest) = dt {
+            next = next.min(longest);
+            self.clock.dt = next;
+        }
+        Ok(next)
     }
 
     /// One step of this length (s), which [`Context::next_dt`] told.
