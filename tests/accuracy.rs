@@ -97,7 +97,10 @@ fn steps_are_a_time_and_driven_walls_no_answer() {
     }
     let chosen = &report["chosen"][0]["point"];
     assert!(chosen["errors"]["displacement"].as_f64().unwrap() < 1e-9, "{chosen}");
-    assert!(chosen["error"].as_f64().unwrap() > 1e-6, "{chosen}");
+    assert!(chosen["error"].as_f64().unwrap() <= 0.5, "{chosen}");
+    // Driven walls are where they are; what steps do shows in stresses.
+    let coarse = report["points"].as_array().unwrap().iter().map(|p| p["error"].as_f64().unwrap());
+    assert!(coarse.fold(0.0, f64::max) > 1e-6, "{report}");
     folder.done(&["check", "a/chosen.toml"]);
 }
 

@@ -79,8 +79,26 @@ imposed = [{ pressure = 1.0, points = [[0.5, 0.1, 0.5]] }]
 kind = "flow"
 "#;
 
+const KEPT: &str = r#"
+[box]
+min = [0, 0, 0]
+max = [1, 1, 1]
+[particles]
+cloud = { count = 60, radius = 0.05 }
+[dem]
+[fluid]
+viscosity = 1.0
+pressure = { y_max = 0.0 }
+[accuracy]
+target = 0.1
+[[stage]]
+kind = "run"
+steps = 20
+walls = { y_max = { velocity = -0.1 } }
+"#;
+
 /// A run between walls with the kinds of stages that move spheres, whose networks follow these, one that
-/// goes on from a checkpoint with another scene, one in a periodic cell, and one that only flows: every key of their summaries is
+/// goes on from a checkpoint with another scene, one in a periodic cell, one that only flows, and one that keeps to an error: every key of their summaries is
 /// described, and every key that is described is there, but for what only a GPU has. So it is with the
 /// arrays of their snapshots.
 #[test]
@@ -100,7 +118,9 @@ fn results_have_what_is_described() {
     let mut found = BTreeSet::new();
     folder.write("flow.toml", FLOW);
     folder.done(&["run", "flow.toml", "--out", "flow"]);
-    for run in ["walls", "other", "cell", "flow"] {
+    folder.write("kept.toml", KEPT);
+    folder.done(&["run", "kept.toml", "--out", "kept"]);
+    for run in ["walls", "other", "cell", "flow", "kept"] {
         paths(&folder.json(&format!("{run}/summary.json")), "", &mut found);
     }
     let known: Vec<&str> = summary::keys().map(|key| key.name).collect();

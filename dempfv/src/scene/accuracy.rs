@@ -21,7 +21,7 @@ pub const ERROR_CONTROL: Effect = Effect {
     family: Family::Numerics,
     equation: "remesh strain, tolerance and time step follow estimated errors of the pore pressures",
     source: "docs/accuracy.md",
-    keys: &[EffectKey { key: "target in [accuracy]", unit: "", default: "" }],
+    keys: &[EffectKey { key: "target in [accuracy]", unit: "", default: "none" }],
     needs: "pore flow",
     test: "dempfv/tests/error_control.rs",
 };
