@@ -41,6 +41,8 @@ mod without {
         EffectCosts(Anything),
         #[command(hide = true)]
         Accuracy(Anything),
+        #[command(hide = true)]
+        RepresentativeVolume(Anything),
     }
 
     #[derive(clap::Args)]
@@ -74,6 +76,7 @@ mod without {
             Command::EveryStep(_) => "every-step",
             Command::EffectCosts(_) => "effect-costs",
             Command::Accuracy(_) => "accuracy",
+            Command::RepresentativeVolume(_) => "representative-volume",
         };
         Err(Error(name).into())
     }
