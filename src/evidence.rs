@@ -42,6 +42,8 @@ mod without {
         #[command(hide = true)]
         Accuracy(Anything),
         #[command(hide = true)]
+        AccuracyYade(Anything),
+        #[command(hide = true)]
         RepresentativeVolume(Anything),
     }
 
@@ -76,6 +78,7 @@ mod without {
             Command::EveryStep(_) => "every-step",
             Command::EffectCosts(_) => "effect-costs",
             Command::Accuracy(_) => "accuracy",
+            Command::AccuracyYade(_) => "accuracy-yade",
             Command::RepresentativeVolume(_) => "representative-volume",
         };
         Err(Error(name).into())

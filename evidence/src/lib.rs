@@ -8,6 +8,7 @@
 #![warn(missing_docs)]
 
 mod accuracy;
+mod accuracy_yade;
 mod bench;
 mod compare;
 mod effect_costs;
@@ -35,6 +36,8 @@ pub enum Command {
     EffectCosts(effect_costs::Args),
     /// What accuracy costs in time: a scene's settings against a reference
     Accuracy(accuracy::Args),
+    /// The same beside YADE: remesh intervals of one loading in both programs
+    AccuracyYade(accuracy_yade::Args),
     /// How far one packing stands for all that are made in the same way, over its size
     RepresentativeVolume(volume::Args),
 }
@@ -53,6 +56,7 @@ enum Kind {
     EveryStep(every_step::Report),
     EffectCosts(effect_costs::Report),
     Accuracy(accuracy::Report),
+    AccuracyYade(accuracy_yade::Report),
     RepresentativeVolume(volume::Report),
 }
 
@@ -68,6 +72,7 @@ pub fn run(command: &Command, threads: usize) -> Result<Report> {
         Command::EveryStep(args) => Kind::EveryStep(every_step::run(args)?),
         Command::EffectCosts(args) => Kind::EffectCosts(effect_costs::run(args)?),
         Command::Accuracy(args) => Kind::Accuracy(accuracy::run(args)?),
+        Command::AccuracyYade(args) => Kind::AccuracyYade(accuracy_yade::run(args, threads)?),
         Command::RepresentativeVolume(args) => Kind::RepresentativeVolume(volume::run(args)?),
     }))
 }
@@ -80,6 +85,7 @@ impl Report {
     pub fn judge(&self) -> Result<()> {
         match &self.0 {
             Kind::Compare(report) => report.judge(),
+            Kind::AccuracyYade(report) => report.judge(),
             Kind::Paper(_)
             | Kind::EveryStep(_)
             | Kind::EffectCosts(_)
@@ -97,6 +103,7 @@ impl fmt::Display for Report {
             Kind::EveryStep(report) => report.fmt(f),
             Kind::EffectCosts(report) => report.fmt(f),
             Kind::Accuracy(report) => report.fmt(f),
+            Kind::AccuracyYade(report) => report.fmt(f),
             Kind::RepresentativeVolume(report) => report.fmt(f),
         }
     }
