@@ -122,8 +122,8 @@ pub fn words(sizes: &[Size], laws: &[Law]) -> String {
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "- One specimen of {} spheres: its permeability is known to {} ({} along one axis), its \
-             modulus to {}",
+            "- One specimen of {} spheres: its permeability stands for those of its size to {} ({} along \
+             one axis), its modulus to {}",
             spheres(size),
             spread(Quantity::Permeability),
             spread(Quantity::PermeabilityAlongLoad),
@@ -133,7 +133,7 @@ pub fn words(sizes: &[Size], laws: &[Law]) -> String {
             let apart = |quantity| signed(off(sizes, size, quantity));
             let _ = write!(
                 text,
-                "; the means are {} and {} off those of {} spheres",
+                "; the means of its size are {} and {} off those of {} spheres",
                 apart(Quantity::Permeability),
                 apart(Quantity::Modulus),
                 spheres(largest),
