@@ -41,6 +41,10 @@ mod without {
         EffectCosts(Anything),
         #[command(hide = true)]
         Accuracy(Anything),
+        #[command(hide = true)]
+        AccuracyYade(Anything),
+        #[command(hide = true)]
+        RepresentativeVolume(Anything),
     }
 
     #[derive(clap::Args)]
@@ -74,6 +78,8 @@ mod without {
             Command::EveryStep(_) => "every-step",
             Command::EffectCosts(_) => "effect-costs",
             Command::Accuracy(_) => "accuracy",
+            Command::AccuracyYade(_) => "accuracy-yade",
+            Command::RepresentativeVolume(_) => "representative-volume",
         };
         Err(Error(name).into())
     }

@@ -10,11 +10,13 @@ fn what_is_not_built_is_named_and_not_offered() {
     let folder = Folder::new("without-evidence");
     let help = folder.done(&["--help"]);
     assert!(help.contains("permeability") && !help.contains("paper"), "{help}");
-    let measurements: [&[&str]; 4] = [
+    let measurements: [&[&str]; 6] = [
         &["compare", "yade", "--part", "time"],
         &["paper", "--help"],
         &["every-step"],
         &["effect-costs", "--turns", "1"],
+        &["accuracy-yade", "--quick"],
+        &["representative-volume", "--seeds", "2"],
     ];
     for words in measurements {
         let output = folder.dempfv(words);

@@ -8,6 +8,7 @@
 #![warn(missing_docs)]
 
 mod accuracy;
+mod accuracy_yade;
 mod bench;
 mod compare;
 mod effect_costs;
@@ -15,6 +16,7 @@ mod error;
 mod every_step;
 pub mod limits;
 mod paper;
+mod volume;
 
 use std::fmt;
 
@@ -34,6 +36,10 @@ pub enum Command {
     EffectCosts(effect_costs::Args),
     /// What accuracy costs in time: a scene's settings against a reference
     Accuracy(accuracy::Args),
+    /// The same beside YADE: remesh intervals of one loading in both programs
+    AccuracyYade(accuracy_yade::Args),
+    /// How far one packing stands for all that are made in the same way, over its size
+    RepresentativeVolume(volume::Args),
 }
 
 /// How a measurement came out: for people by [`Display`](fmt::Display), for programs by
@@ -50,6 +56,8 @@ enum Kind {
     EveryStep(every_step::Report),
     EffectCosts(effect_costs::Report),
     Accuracy(accuracy::Report),
+    AccuracyYade(accuracy_yade::Report),
+    RepresentativeVolume(volume::Report),
 }
 
 /// Measures what is asked for, with so many threads where the measurement does not choose
@@ -64,6 +72,8 @@ pub fn run(command: &Command, threads: usize) -> Result<Report> {
         Command::EveryStep(args) => Kind::EveryStep(every_step::run(args)?),
         Command::EffectCosts(args) => Kind::EffectCosts(effect_costs::run(args)?),
         Command::Accuracy(args) => Kind::Accuracy(accuracy::run(args)?),
+        Command::AccuracyYade(args) => Kind::AccuracyYade(accuracy_yade::run(args, threads)?),
+        Command::RepresentativeVolume(args) => Kind::RepresentativeVolume(volume::run(args)?),
     }))
 }
 
@@ -75,9 +85,12 @@ impl Report {
     pub fn judge(&self) -> Result<()> {
         match &self.0 {
             Kind::Compare(report) => report.judge(),
-            Kind::Paper(_) | Kind::EveryStep(_) | Kind::EffectCosts(_) | Kind::Accuracy(_) => {
-                Ok(())
-            }
+            Kind::AccuracyYade(report) => report.judge(),
+            Kind::Paper(_)
+            | Kind::EveryStep(_)
+            | Kind::EffectCosts(_)
+            | Kind::Accuracy(_)
+            | Kind::RepresentativeVolume(_) => Ok(()),
         }
     }
 }
@@ -90,6 +103,8 @@ impl fmt::Display for Report {
             Kind::EveryStep(report) => report.fmt(f),
             Kind::EffectCosts(report) => report.fmt(f),
             Kind::Accuracy(report) => report.fmt(f),
+            Kind::AccuracyYade(report) => report.fmt(f),
+            Kind::RepresentativeVolume(report) => report.fmt(f),
         }
     }
 }

@@ -12,7 +12,9 @@ pub use self::packing::{Packing, settled};
 use super::peer::Bench;
 use crate::Error;
 
-const SCRIPT: &str = include_str!("../scripts/loading.py");
+/// Sets up the box and the engines of a [`Job`]; what is done with them comes after it.
+pub const LOADED: &str = include_str!("../scripts/loaded.py");
+const LOADING: &str = include_str!("../scripts/loading.py");
 
 /// Friction angle between spheres (degrees); walls are smooth.
 const FRICTION: f64 = 30.0;
@@ -95,14 +97,22 @@ impl Change {
     pub const ALIGNED: Change = Change { perturbation: 0.0, plain_slip: true, corner_push: true };
 }
 
+/// What a script is told.
 #[derive(Serialize)]
-struct Job<'a> {
+pub struct Job<'a> {
     spheres: &'a [[f64; 4]],
     bounds: [f64; 6],
     #[serde(flatten)]
     loading: &'a Loading,
     #[serde(flatten)]
     change: Change,
+}
+
+impl<'a> Job<'a> {
+    /// A loading of a packing.
+    pub fn new(packing: &'a Packing, loading: &'a Loading, change: Change) -> Job<'a> {
+        Job { spheres: &packing.spheres, bounds: packing.bounds, loading, change }
+    }
 }
 
 /// Steps `first`, `first + every`, ... up to `steps`.
@@ -140,8 +150,8 @@ impl Loading {
         packing: &Packing,
         change: Change,
     ) -> Result<Course, Error> {
-        let job = Job { spheres: &packing.spheres, bounds: packing.bounds, loading: self, change };
-        Ok(bench.yade::<Course>(&format!("{step}-yade"), SCRIPT, 1, &job)?.result)
+        let (job, script) = (Job::new(packing, self, change), format!("{LOADED}\n{LOADING}"));
+        Ok(bench.yade::<Course>(&format!("{step}-yade"), &script, 1, &job)?.result)
     }
 
     /// Our course of the loading.
