@@ -32,6 +32,8 @@ ACCURACY := out/accuracy
 ACCURACY_SCENES := caulk2020 oedometer impact sedimentation triaxial-undrained permeability
 # Seconds that each reference may take.
 ACCURACY_SECONDS := 60
+# `--quick` has 1,000 spheres and a few intervals; without it YADE alone takes most of an hour.
+ACCURACY_YADE := --quick
 BUNDLE := out/bundle
 
 # Everything with GPU support is built beside the rest: the features differ.
@@ -110,11 +112,13 @@ compare-yade: build install-yade ## Run YADE on the same input, side by side; wr
 	cp $(COMPARISON)/yade.md docs/yade.md
 	@echo "Report: docs/yade.md, its figures in docs/yade/"
 
-# The comparison on the two smallest packings, times left out; fails where a bound does.
+# The comparison on the two smallest packings, times left out, and remesh intervals on the smallest; fails
+# where a bound does.
 yade-test: build install-yade
 	$(DEMPFV) compare yade packings/oedometer-1000.txt packings/oedometer-5000.txt \
 	    --part network --part edges --part injection --part compressible --part periodic \
 	    --part dry --part coupled --out out/yade-test --force
+	$(DEMPFV) accuracy-yade --quick --out out/yade-test/accuracy --force
 
 # Every way into CGAL, CHOLMOD and METIS, in the foreground and in the background, failures
 # included. One thread for OpenBLAS: its others are valgrind's to run in turn.
@@ -154,6 +158,12 @@ accuracy: build install-yade ## Measure what accuracy costs in six scenes, YADE 
 	    mkdir -p docs/accuracy/$$scene; \
 	    cp $(ACCURACY)/$$scene/accuracy.md $(ACCURACY)/$$scene/*.png $(ACCURACY)/$$scene/accuracy.csv docs/accuracy/$$scene/; \
 	done
+	test -f $(ACCURACY)/yade/yade.json || $(DEMPFV) accuracy-yade $(ACCURACY_YADE) --out $(ACCURACY)/yade
+	test -f $(ACCURACY)/volume/representative-volume.json || \
+	    $(DEMPFV) representative-volume --out $(ACCURACY)/volume
+	mkdir -p docs/accuracy/yade docs/accuracy/volume
+	cp $(ACCURACY)/yade/yade.md $(ACCURACY)/yade/yade.csv $(ACCURACY)/yade/*.png docs/accuracy/yade/
+	cp $(ACCURACY)/volume/*.md $(ACCURACY)/volume/*.csv $(ACCURACY)/volume/*.png docs/accuracy/volume/
 
 cuda: install-packages install-test-packages ## Build with GPU support: target/cuda/release/dempfv (fetches what is missing)
 	cholmod-sys/cuda/fetch.sh cuda
