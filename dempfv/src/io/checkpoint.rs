@@ -20,7 +20,7 @@ use crate::{Aabb, Cell, Vec3};
 
 const MAGIC: &[u8; 8] = b"dempfvCP";
 /// To be raised when a state of the same program version would no longer load.
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const REMEDY: &str =
     "give a checkpoint that this version of dempfv wrote, or begin the run anew without it";
