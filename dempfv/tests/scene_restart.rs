@@ -453,7 +453,7 @@ fn an_earlier_format_is_refused() {
     std::fs::write(&file, bytes).unwrap();
     let error = checkpoint::load::<u64>(&file).unwrap_err().to_string();
     std::fs::remove_file(&file).unwrap();
-    assert!(error.contains("format 7") && error.contains("format 10"), "{error}");
+    assert!(error.contains("format 7") && error.contains("format 11"), "{error}");
     assert!(error.contains("begin the run anew"), "{error}");
 }
 

@@ -11,7 +11,9 @@ use dempfv_report::plot::picture::Segment;
 use dempfv_report::plot::section::{hull, plane_points};
 use dempfv_report::plot::text::{Face, Layout};
 use dempfv_report::plot::{self};
-use dempfv_report::plot::{Axis, Consolidation, Mark, Panel, Profile, SERIES, Section, Series};
+use dempfv_report::plot::{
+    Axis, Consolidation, Layers, Mark, Panel, Profile, SERIES, Section, Series,
+};
 use dempfv_report::table;
 
 fn folder() -> PathBuf {
@@ -45,68 +47,69 @@ fn noise(i: usize) -> f64 {
     (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
+/// Layers that settle by twice their share of the height.
+fn layers(drained_share: f64, sealed_share: f64) -> Layers {
+    let theory = theory::WallLayers::new(2.0 * drained_share, 2.0 * sealed_share);
+    Layers { both_ends: false, drained_share, sealed_share, theory }
+}
+
 #[test]
 fn consolidation() {
-    let d = 0.052;
+    let layers = layers(0.05, 0.05);
     let t: Vec<f64> = (1..=3000).map(|i| 1.55 * i as f64 / 3000.0).collect();
     let u: Vec<f64> = t
         .iter()
         .enumerate()
         .map(|(i, &t)| {
-            theory::degree_of_consolidation_drained_top(t, d)
-                + 0.012 * (9.0 * t).sin() * (-t).exp()
-                + 0.002 * noise(i)
+            layers.theory.degree(t) + 0.012 * (9.0 * t).sin() * (-t).exp() + 0.002 * noise(i)
         })
         .collect();
-    let p: Vec<f64> =
-        t.iter().map(|&t| 0.98 * theory::excess_pressure(1.0, t / (1.0 - d) / (1.0 - d))).collect();
+    let p: Vec<f64> = t.iter().map(|&t| 0.98 * layers.theory.excess_pressure(1.0, t)).collect();
     let picture = plot::consolidation(&Consolidation {
         time_factor: &t,
         degree: &u,
         base_pressure: &p,
-        drained_share: d,
-        both_ends: false,
+        layers,
         caption: "1000 spheres, 10 → 11 kPa, drained at the top; *c*_{v} = 0.318 m²/s from the modulus and the permeability that the same run measured",
     });
     let words = ["Degree of consolidation U", "Time factor Tv = cv t / H2", "simulated"];
     save(&picture, "consolidation", &words);
-    save(&picture, "consolidation", &["theory, top 5.2 % drained from the start", "theory, plain"]);
+    save(&picture, "consolidation", &["theory, layers at the walls counted", "theory, plain"]);
 }
 
 /// Where both ends drain, axes and legend say so, and the theory is the same one in T_v.
 #[test]
 fn consolidation_with_two_drained_ends() {
+    let layers = Layers { both_ends: true, ..layers(0.1, 0.0) };
     let t: Vec<f64> = (1..=300).map(|i| i as f64 / 300.0).collect();
-    let u: Vec<f64> =
-        t.iter().map(|&t| theory::degree_of_consolidation_drained_top(t, 0.1)).collect();
-    let p: Vec<f64> = t.iter().map(|&t| theory::excess_pressure(1.0, t / 0.81)).collect();
+    let u: Vec<f64> = t.iter().map(|&t| layers.theory.degree(t)).collect();
+    let p: Vec<f64> = t.iter().map(|&t| layers.theory.excess_pressure(1.0, t)).collect();
     let picture = plot::consolidation(&Consolidation {
         time_factor: &t,
         degree: &u,
         base_pressure: &p,
-        drained_share: 0.1,
-        both_ends: true,
+        layers,
         caption: "",
     });
     let words = [
         "Time factor Tv = 4 cv t / H2",
         "Pressure at mid-height",
-        "theory, 10.0 % at the ends drained from the start",
+        "theory, layers at the walls counted",
     ];
     save(&picture, "consolidation-both-ends", &words);
     let height: Vec<f64> = (0..20).map(|i| (i as f64 + 0.5) / 20.0).collect();
     let pressure: Vec<f64> = height
         .iter()
-        .map(|h| theory::excess_pressure_both_ends((h - 0.05) / 0.9, 0.2 / 0.81))
+        .map(|h| theory::excess_pressure_both_ends((h - 0.05) / 0.9, 0.2 / 0.8))
         .collect();
     let profile = Profile { time_factor: 0.2, height: &height, pressure: &pressure };
-    let picture = plot::profiles(&[profile], (0.1, true), "");
+    let picture = plot::profiles(&[profile], &layers, "");
     save(&picture, "profiles-both-ends", &["0.2"]);
 }
 
 #[test]
 fn profiles() {
-    let d = 0.052;
+    let layers = layers(0.05, 0.05);
     let height: Vec<f64> = (0..20).map(|i| (i as f64 + 0.5) / 20.0).collect();
     let times = [0.02, 0.05, 0.1, 0.2, 0.4, 0.8];
     let pressure: Vec<Vec<f64>> = times
@@ -116,9 +119,8 @@ fn profiles() {
                 .iter()
                 .enumerate()
                 .map(|(i, h)| {
-                    let z = (1.0 - h / (1.0 - d)).max(0.0);
-                    (theory::excess_pressure(z, t / (1.0 - d) / (1.0 - d)) + 0.02 * noise(i))
-                        .max(0.0)
+                    let z = (0.95 - h) / 0.9;
+                    (layers.theory.excess_pressure(z, t) + 0.02 * noise(i)).max(0.0)
                 })
                 .collect()
         })
@@ -130,8 +132,8 @@ fn profiles() {
         .collect();
     let picture = plot::profiles(
         &profiles,
-        (d, false),
-        "Dots: mean of the pores in 20 layers; lines: Terzaghi, drained top counted",
+        &layers,
+        "Dots: mean of the pores in 20 layers; lines: Terzaghi, layers at the walls counted",
     );
     save(
         &picture,

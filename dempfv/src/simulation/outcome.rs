@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::WallId;
+use crate::theory::WallLayers;
 
 /// A finished stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +64,9 @@ pub struct LoadCycles {
     pub strain: Vec<f64>,
     /// Stress on the wall at these ends (Pa).
     pub stress_pa: Vec<f64>,
+    /// Share of the last loading's settlement in the pores that touch the lower and the upper wall of
+    /// the axis (1); `None` in a scene without fluid.
+    pub wall_layer_settlement: Option<[f64; 2]>,
 }
 
 /// A static flow through the packing.
@@ -148,6 +152,13 @@ pub struct Consolidation {
     /// Share of the height in pores that touch a drained wall (1): their
     /// pressure is imposed, so they are drained from the start.
     pub drained_share: f64,
+    /// The same of the pores at a sealed wall (1): in them the pressure is nearly the same all over. 0
+    /// where both ends drain.
+    pub sealed_share: f64,
+    /// Share of the settlement in the pores at drained walls (1), measured by the load cycles.
+    pub drained_settlement: f64,
+    /// The same at a sealed wall (1).
+    pub sealed_settlement: f64,
     /// The course of the consolidation.
     pub samples: Vec<ConsolidationSample>,
     /// Pressure profiles at the T_v asked for.
@@ -239,11 +250,12 @@ impl Outcome {
 
 impl Consolidation {
     /// Largest distance of the measured degree of consolidation from
-    /// Terzaghi's with the drained layer counted, for `T_v` in a range; 0 where there is no
+    /// Terzaghi's with the layers at the walls counted, for `T_v` in a range; 0 where there is no
     /// sample in it.
     pub fn largest_error(&self, from: f64, to: f64) -> f64 {
+        let theory = self.wall_layers();
         let within = self.samples.iter().filter(|s| (from..=to).contains(&s.time_factor));
-        within.map(|s| (s.degree - self.theory(s.time_factor)).abs()).fold(0.0, f64::max)
+        within.map(|s| (s.degree - theory.degree(s.time_factor)).abs()).fold(0.0, f64::max)
     }
 
     /// Whether fluid leaves at both ends of the layer.
@@ -251,8 +263,8 @@ impl Consolidation {
         self.drained_walls.len() > 1
     }
 
-    /// Terzaghi's degree of consolidation with the drained layer counted (1).
-    pub fn theory(&self, time_factor: f64) -> f64 {
-        crate::theory::degree_of_consolidation_drained_top(time_factor, self.drained_share)
+    /// Terzaghi's theory with the layers at the walls counted: what the samples are held against.
+    pub fn wall_layers(&self) -> WallLayers {
+        WallLayers::new(self.drained_settlement, self.sealed_settlement)
     }
 }

@@ -148,10 +148,27 @@ fn theories(t: &mut Table) {
             && excess_pressure_both_ends(7.0, 0.1) == 0.0
     });
     t.refuses("scene::differences", "TOML", || differences("seed = ", "seed = 1"));
-    t.gives("theory::degree_of_consolidation_drained_top", "no number", || {
-        [nan, -0.1, 1.0, 1e300]
-            .iter()
-            .all(|&d| degree_of_consolidation_drained_top(0.1, d).is_nan())
+    let number = |layers: WallLayers| {
+        !layers.degree(0.1).is_nan() || !layers.excess_pressure(0.5, 0.1).is_nan()
+    };
+    t.gives("theory::WallLayers::new", "no number", || {
+        let shares = [[nan, 0.0], [0.0, nan], [-0.1, 0.0], [0.0, -0.1], [0.5, 0.5], [1e300, 0.0]];
+        !shares.iter().any(|&[drained, sealed]| number(WallLayers::new(drained, sealed)))
+            && number(WallLayers::new(0.0, 0.0))
+            && number(WallLayers::new(0.0, 0.999))
+    });
+    let layers = WallLayers::new(0.1, 0.1);
+    t.gives("theory::WallLayers::degree", "its limits", || {
+        layers.degree(nan).is_nan()
+            && layers.degree(-1.0) == 0.1
+            && layers.degree(f64::INFINITY) == 1.0
+    });
+    t.gives("theory::WallLayers::excess_pressure", "its limits", || {
+        layers.excess_pressure(nan, 0.1).is_nan()
+            && layers.excess_pressure(0.5, nan).is_nan()
+            && layers.excess_pressure(0.5, -1.0) == 1.0
+            && layers.excess_pressure(-7.0, 0.1) == 0.0
+            && layers.excess_pressure(7.0, 0.1) == layers.excess_pressure(1.0, 0.1)
     });
     t.gives("theory::time_factor", "its limits", || {
         time_factor(nan).is_nan() && time_factor(-1.0) == 0.0 && time_factor(2.0) == f64::INFINITY
@@ -174,10 +191,12 @@ fn theories(t: &mut Table) {
         c_v_m2_s: 1.0,
         final_settlement_m: 1.0,
         drained_share: 0.0,
+        sealed_share: 0.0,
+        drained_settlement: 0.0,
+        sealed_settlement: 0.0,
         samples: vec![],
         profiles: vec![],
     };
-    t.gives("simulation::Consolidation::theory", "no number", || measured.theory(nan).is_nan());
     t.gives("simulation::Consolidation::largest_error", "0 where there is no sample", || {
         measured.largest_error(nan, nan) == 0.0 && measured.largest_error(1.0, 0.0) == 0.0
     });

@@ -24,6 +24,12 @@ pub(super) static KEYS: &[Entry] = &[
         "Logarithmic strain at the end of each half cycle; positive in compression.",
     ),
     entry("stages[].cycle.stress_pa[]", "Pa", "Stress on the wall there."),
+    entry(
+        "stages[].cycle.wall_layer_settlement[]",
+        "1",
+        "Share of the last loading's settlement in the pores at the lower and the upper wall of the axis; \
+         null without a fluid.",
+    ),
     entry("stages[].permeability.axis", "", "`x`, `y` or `z`."),
     entry(
         "stages[].permeability.slip_walls",
@@ -96,6 +102,17 @@ pub(super) static KEYS: &[Entry] = &[
         "1",
         "Share of the height in pores at a drained wall, whose pressure is imposed.",
     ),
+    entry(
+        "stages[].consolidate.sealed_share",
+        "1",
+        "Share of the height in pores at a sealed end; 0 where both ends drain.",
+    ),
+    entry(
+        "stages[].consolidate.drained_settlement",
+        "1",
+        "Share of the settlement in the pores at a drained wall, by the load cycles.",
+    ),
+    entry("stages[].consolidate.sealed_settlement", "1", "The same at a sealed end."),
     entry("stages[].consolidate.samples[].time_factor", "1", "T_v = c_v t / d²."),
     entry("stages[].consolidate.samples[].settlement_m", "m", "Settlement, positive inwards."),
     entry("stages[].consolidate.samples[].degree", "1", "Settlement over the final one."),

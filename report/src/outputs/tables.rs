@@ -29,7 +29,7 @@ pub static CONSOLIDATION: [Entry; 6] = [
     entry(
         "terzaghi_top_drained",
         "1",
-        "Terzaghi's degree, the layer that drains from the start counted.",
+        "Terzaghi's degree, the layers at the walls counted (docs/oedometer.md).",
     ),
     entry("terzaghi", "1", "Terzaghi's degree of the whole layer."),
     entry(

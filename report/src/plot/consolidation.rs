@@ -1,6 +1,6 @@
 //! One-dimensional consolidation against Terzaghi's theory.
 
-use dempfv::theory;
+use dempfv::theory::{self, WallLayers};
 
 use super::axis::Axis;
 use super::chart::{MARGIN, heading};
@@ -19,12 +19,35 @@ pub struct Consolidation<'a> {
     /// Excess pressure at the sealed base, or at the middle of the height where both ends drain,
     /// over the initial excess pressure.
     pub base_pressure: &'a [f64],
-    /// Share of the height that is drained from the start.
-    pub drained_share: f64,
-    /// Whether both ends drain.
-    pub both_ends: bool,
+    /// The pores at the two ends.
+    pub layers: Layers,
     /// Under the title: the specimen, c_v, where it comes from. Lines.
     pub caption: &'a str,
+}
+
+/// The layers of pores at the two ends of a specimen.
+#[derive(Clone, Copy, Debug)]
+pub struct Layers {
+    /// Whether both ends drain.
+    pub both_ends: bool,
+    /// Share of the height in pores that are drained from the start.
+    pub drained_share: f64,
+    /// Share of the height in pores at a sealed end.
+    pub sealed_share: f64,
+    /// What both make of Terzaghi's theory.
+    pub theory: WallLayers,
+}
+
+impl Layers {
+    /// Where a height is between the drained layer, 0, and the sealed one or mid-height, 1; beyond
+    /// these in the layers.
+    fn depth(&self, height: f64) -> f64 {
+        let between = 1.0 - self.drained_share - self.sealed_share;
+        match self.both_ends {
+            true => (1.0 - (1.0 - 2.0 * height).abs() - self.drained_share) / between,
+            false => (1.0 - self.drained_share - height) / between,
+        }
+    }
 }
 
 const THEORY: Mark = Mark::Line { width: 1.6, dash: None };
@@ -34,22 +57,21 @@ const MEASURED: Mark = Mark::Dots { radius: 3.0, apart: 20.0 };
 const CURVE: usize = 600;
 
 /// Settlement and base pressure against the time factor, with the theory
-/// plain and with the drained top counted.
+/// plain and with the layers at the walls counted.
 pub fn consolidation(c: &Consolidation) -> Picture {
     let mut picture = Picture::new(900.0, 430.0);
     let top = heading(&mut picture, "Consolidation against Terzaghi’s theory", c.caption);
     let end = c.time_factor.iter().copied().fold(0.0, f64::max).clamp(0.1, 1.5);
     // Dense where the curves are steep.
     let t: Vec<f64> = (0..=CURVE).map(|i| end * (i as f64 / CURVE as f64).powi(3)).collect();
-    let wet = 1.0 - c.drained_share;
+    let Layers { both_ends, theory: layers, .. } = c.layers;
     let curve = |f: &dyn Fn(f64) -> f64| t.iter().map(|&t| f(t)).collect::<Vec<f64>>();
-    let settled = curve(&|t| theory::degree_of_consolidation_drained_top(t, c.drained_share));
+    let settled = curve(&|t| layers.degree(t));
     let settled_plain = curve(&theory::degree_of_consolidation);
-    let base = curve(&|t| theory::excess_pressure(1.0, t / (wet * wet)));
+    let base = curve(&|t| layers.excess_pressure(1.0, t));
     let base_plain = curve(&|t| theory::excess_pressure(1.0, t));
-    let drained = (c.drained_share, c.both_ends);
-    let left = compared(c.time_factor, c.degree, &t, &settled_plain, &settled, drained);
-    let right = compared(c.time_factor, c.base_pressure, &t, &base_plain, &base, drained);
+    let left = compared(c.time_factor, c.degree, &t, &settled_plain, &settled);
+    let right = compared(c.time_factor, c.base_pressure, &t, &base_plain, &base);
 
     let edge = picture.width - MARGIN;
     let legend = panel::legend(&mut picture, &left, MARGIN, edge, top);
@@ -61,7 +83,7 @@ pub fn consolidation(c: &Consolidation) -> Picture {
         bottom: p.height - MARGIN,
     };
     // Settlement over the logarithm of time, as laboratories draw it.
-    let label = match c.both_ends {
+    let label = match both_ends {
         true => "Time factor *T*_{v} = 4 *c*_{v} *t* / *H*^{2}",
         false => "Time factor *T*_{v} = *c*_{v} *t* / *H*^{2}",
     };
@@ -70,7 +92,7 @@ pub fn consolidation(c: &Consolidation) -> Picture {
     let y = Axis::linear("Degree of consolidation *U*").spanning(0.0, upper(c.degree));
     let area = room(MARGIN, middle - 8.0, &picture);
     Panel { title: "Settlement", x, y, series: &left }.draw(&mut picture, area);
-    let (place, title) = match c.both_ends {
+    let (place, title) = match both_ends {
         true => ("Pressure at mid-height", "Pressure at mid-height"),
         false => ("Base pressure", "Pressure at the sealed base"),
     };
@@ -88,29 +110,20 @@ fn upper(values: &[f64]) -> f64 {
     0.04 + values.iter().copied().filter(|v| v.is_finite()).fold(1.0, f64::max).min(2.0)
 }
 
-/// The measured series above the theory, plain and, where there is one, with
-/// the drained top.
+/// The measured series above the theory, plain and with the layers at the walls.
 fn compared<'a>(
     x: &'a [f64],
     measured: &'a [f64],
     t: &'a [f64],
     plain: &'a [f64],
-    drained: &'a [f64],
-    (share, both_ends): (f64, bool),
+    layered: &'a [f64],
 ) -> Vec<Series<'a>> {
-    let series = |name: String, x, y, color, mark| Series { name: Some(name), x, y, color, mark };
-    let simulated = series("simulated".into(), x, measured, SERIES[0], MEASURED);
-    if share <= 0.0 {
-        return vec![series("theory".into(), t, plain, BLACK, THEORY), simulated];
-    }
-    let top = match both_ends {
-        true => format!("theory, {:.1} % at the ends drained from the start", 100.0 * share),
-        false => format!("theory, top {:.1} % drained from the start", 100.0 * share),
-    };
+    let series =
+        |name: &str, x, y, color, mark| Series { name: Some(name.into()), x, y, color, mark };
     vec![
-        series("theory, plain".into(), t, plain, BLACK, THEORY_PLAIN),
-        series(top, t, drained, BLACK, THEORY),
-        simulated,
+        series("theory, plain", t, plain, BLACK, THEORY_PLAIN),
+        series("theory, layers at the walls counted", t, layered, BLACK, THEORY),
+        series("simulated", x, measured, SERIES[0], MEASURED),
     ]
 }
 
@@ -126,25 +139,14 @@ pub struct Profile<'a> {
 }
 
 /// Height against excess pressure at several times, with the theory (the
-/// drained share counted: all of it at the top, or half at each end).
-pub fn profiles(
-    profiles: &[Profile],
-    (drained_share, both_ends): (f64, bool),
-    caption: &str,
-) -> Picture {
+/// drained layer at the top, or half of it at each end).
+pub fn profiles(profiles: &[Profile], layers: &Layers, caption: &str) -> Picture {
     let mut picture = Picture::new(620.0, 520.0);
     let top = heading(&mut picture, "Excess pore pressure over the height", caption);
-    let wet = 1.0 - drained_share;
-    let base = if both_ends { 0.5 * drained_share } else { 0.0 };
-    let share_of_wet: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
-    let height: Vec<f64> = share_of_wet.iter().map(|h| base + wet * h).collect();
-    let excess = match both_ends {
-        true => theory::excess_pressure_both_ends,
-        false => theory::excess_pressure,
-    };
+    let height: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
     let at = |p: &Profile| {
-        let time_factor = p.time_factor / (wet * wet);
-        share_of_wet.iter().map(|h| excess(1.0 - h, time_factor)).collect()
+        let pressure = |&h: &f64| layers.theory.excess_pressure(layers.depth(h), p.time_factor);
+        height.iter().map(pressure).collect()
     };
     let theory: Vec<Vec<f64>> = profiles.iter().map(at).collect();
     let color = |i: usize| viridis(0.87 * i as f64 / (profiles.len().max(2) - 1) as f64);

@@ -19,7 +19,7 @@ use dempfv::io::atomic;
 pub use axis::Axis;
 pub use chart::{row, xy};
 pub use color::SERIES;
-pub use consolidation::{Consolidation, Profile, consolidation, profiles};
+pub use consolidation::{Consolidation, Layers, Profile, consolidation, profiles};
 pub use panel::{Mark, Panel, Series};
 pub use picture::Picture;
 pub use section::{Section, section};

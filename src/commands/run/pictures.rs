@@ -42,8 +42,7 @@ fn consolidation(
         time_factor: &time_factor,
         degree: &degree,
         base_pressure: &base_pressure,
-        drained_share: c.drained_share,
-        both_ends: c.drains_at_both_ends(),
+        layers: layers(c),
         caption: &caption,
     })
     .save(folder, &name("consolidation", simulation, stage))?;
@@ -62,16 +61,27 @@ fn consolidation(
             pressure: &p.pressure,
         })
         .collect();
-    plot::profiles(&profiles, (c.drained_share, c.drains_at_both_ends()), &caption)
+    plot::profiles(&profiles, &layers(c), &caption)
         .save(folder, &name("profiles", simulation, stage))
+}
+
+fn layers(c: &Consolidation) -> plot::Layers {
+    plot::Layers {
+        both_ends: c.drains_at_both_ends(),
+        drained_share: c.drained_share,
+        sealed_share: c.sealed_share,
+        theory: c.wall_layers(),
+    }
 }
 
 /// The course of a consolidation and the theory beside it, as a table.
 fn write_table(folder: &Path, name: &str, c: &Consolidation) -> Result<()> {
     let mut text = CONSOLIDATION.map(|column| column.name).join(",") + "\n";
+    let theory = c.wall_layers();
     for s in &c.samples {
-        let (drained, plain) = (c.theory(s.time_factor), degree_of_consolidation(s.time_factor));
-        let row = [s.time_factor, s.settlement_m, s.degree, drained, plain, s.base_pressure];
+        let (layers, plain) =
+            (theory.degree(s.time_factor), degree_of_consolidation(s.time_factor));
+        let row = [s.time_factor, s.settlement_m, s.degree, layers, plain, s.base_pressure];
         text.push_str(&row.map(|v| v.to_string()).join(","));
         text.push('\n');
     }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::servo_watch::ServoWatch;
+use super::wall_layers;
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
 use crate::pfv::Flow;
@@ -59,9 +60,12 @@ impl State {
         let measured = "put a cycle stage and a permeability stage of the same axis before it";
         let missing =
             |what: &str| InputError::new(format!("a consolidate stage without {what}"), measured);
-        let modulus = last_cycles(context.outcomes, axis)
-            .ok_or_else(|| missing("a measured modulus"))?
-            .modulus_pa;
+        let cycles =
+            last_cycles(context.outcomes, axis).ok_or_else(|| missing("a measured modulus"))?;
+        let modulus = cycles.modulus_pa;
+        let layers = cycles
+            .wall_layer_settlement
+            .ok_or_else(|| missing("what the pores at the walls settle by"))?;
         let permeability = last_permeability(context.outcomes, axis)
             .ok_or_else(|| missing("a measured permeability along its axis"))?
             .permeability_m2;
@@ -75,6 +79,9 @@ impl State {
         let load = plan.stress - outside - before;
         let height = dem.box_().size()[axis.index()];
         let drainage_path = height / drained_walls.len() as f64;
+        let of = |walls: &[WallId]| walls.iter().map(|wall| layers[wall.index() % 2]).sum();
+        let (drained_settlement, sealed_settlement) =
+            (of(&drained_walls), of(sealed(&drained_walls).as_slice()));
         Ok(State {
             result: Consolidation {
                 wall: plan.wall,
@@ -87,6 +94,9 @@ impl State {
                 c_v_m2_s: permeability * modulus / viscosity,
                 final_settlement_m: height * (1.0 - (-load / modulus).exp()),
                 drained_share: 0.0,
+                sealed_share: 0.0,
+                drained_settlement,
+                sealed_settlement,
                 samples: vec![],
                 profiles: vec![],
             },
@@ -145,12 +155,12 @@ impl State {
         }
         let Some(flow) = context.coupled.storage_flow() else { return Ok(Progress::Running) };
         if self.steps == 1 {
-            let shares = self
-                .result
-                .drained_walls
-                .iter()
-                .map(|&w| drained_share(flow, w, self.result.height_m));
-            self.result.drained_share = shares.sum();
+            let heights =
+                |walls: &[WallId]| walls.iter().map(|&w| wall_layers::height(flow, w)).sum();
+            let drained = &self.result.drained_walls;
+            let (drained_share, sealed_share) =
+                (heights(drained), heights(sealed(drained).as_slice()));
+            (self.result.drained_share, self.result.sealed_share) = (drained_share, sealed_share);
         }
         let over = now >= self.until;
         if now >= self.next_sample || over {
@@ -279,25 +289,18 @@ fn drainage(context: &Context, loaded: WallId) -> Result<(f64, Vec<WallId>, f64)
     }
 }
 
-/// Share of the height that the pores with imposed pressure at a wall fill.
-fn drained_share(flow: &Flow, wall: WallId, height: f64) -> f64 {
-    let conditions = flow.operators().conditions();
-    let pores = (0..flow.network().pores()).filter(|&i| conditions.wall_of(i) == Some(wall));
-    let volume: f64 = pores.map(|i| flow.network().volume[i]).sum();
-    volume / flow.network().bounds.wall_area(wall) / height
+/// The end of the loaded axis that does not drain, if there is one.
+fn sealed(drained: &[WallId]) -> Option<WallId> {
+    match drained {
+        [wall] => Some(wall.opposite()),
+        _ => None,
+    }
 }
 
 /// Mean pressure by volume of the pores that touch a wall (Pa).
 fn mean_pressure_at(flow: &Flow, wall: WallId) -> f64 {
-    let t = &flow.network().tessellation;
-    let vertex = (t.spheres + wall.index()) as u32;
-    let touching = t
-        .cells
-        .iter()
-        .zip(&flow.network().volume)
-        .zip(flow.pressure())
-        .filter(|((c, _), _)| c.contains(&vertex));
-    let (weighted, volume) =
-        touching.fold((0.0, 0.0), |(s, v), ((_, volume), p)| (s + volume * p, v + volume));
+    let (volume, pressure) = (&flow.network().volume, flow.pressure());
+    let (weighted, volume) = wall_layers::at_wall(flow.network(), wall)
+        .fold((0.0, 0.0), |(s, v), i| (s + volume[i] * pressure[i], v + volume[i]));
     weighted / volume
 }

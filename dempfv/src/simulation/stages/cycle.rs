@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 use super::changes::Changes;
 use super::context::{Context, Progress};
 use super::strain::logarithmic_strain;
+use super::wall_layers::{self, Rest};
 use crate::coupling::Coupled;
 use crate::dem::WallControl;
 use crate::simulation::StageError;
 use crate::simulation::outcome::{LoadCycles, Outcome};
-use crate::{Aabb, Result, WallId, scene};
+use crate::{Aabb, Axis, Result, WallId, scene};
 
 /// Steps between two looks at the equilibrium.
 const LOOK: u64 = 20;
@@ -30,6 +31,9 @@ pub struct State {
     reference: Aabb,
     strain: Vec<f64>,
     stress: Vec<f64>,
+    /// Where all was at the last hold at the lower stress but the final one, and at the last at the
+    /// higher; empty before.
+    rests: Vec<Rest>,
 }
 
 impl State {
@@ -47,6 +51,7 @@ impl State {
             reference: context.coupled.dem().box_(),
             strain: vec![],
             stress: vec![],
+            rests: vec![],
         };
         state.follow(plan);
         state.load(context.coupled)?;
@@ -110,22 +115,32 @@ impl State {
         // The last hold is one at the lower stress, also where a restart asks for fewer.
         if (self.strain.len() as u64) < self.holds || self.strain.len().is_multiple_of(2) {
             self.load(context.coupled)?;
+            self.rests.truncate((self.strain.len() + 1) % 2);
+            self.rests.push(Rest::of(context.coupled));
             return Ok(Progress::Running);
         }
-        Ok(Progress::finished(Outcome::Cycle(self.result())))
+        Ok(Progress::finished(Outcome::Cycle(self.result(context)?)))
     }
 
-    fn result(&self) -> LoadCycles {
+    fn result(&self, context: &Context) -> Result<LoadCycles> {
         let last = self.strain.len() - 1;
         let secant = |a: usize, b: usize| {
             (self.stress[b] - self.stress[a]) / (self.strain[b] - self.strain[a])
         };
-        LoadCycles {
+        let layers = match (&self.rests[..], &context.plan.fluid) {
+            ([lower, higher], Some(fluid)) => {
+                let (rests, axis) = ([lower, higher], Axis::of(self.wall));
+                Some(wall_layers::settlement(rests, context.coupled, &fluid.fluid, axis)?)
+            }
+            _ => None,
+        };
+        Ok(LoadCycles {
             wall: self.wall,
             modulus_pa: secant(last - 2, last - 1),
             unloading_modulus_pa: secant(last - 1, last),
             strain: self.strain.clone(),
             stress_pa: self.stress.clone(),
-        }
+            wall_layer_settlement: layers,
+        })
     }
 }

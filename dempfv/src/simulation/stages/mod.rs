@@ -13,6 +13,7 @@ mod permeability;
 mod run;
 mod servo_watch;
 mod strain;
+mod wall_layers;
 
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,13 @@
 //! consolidation (Terzaghi) and the permeability of a bed of spheres (Kozeny
 //! and Carman).
 
+mod erfc;
+mod wall_layers;
+
 use std::f64::consts::PI;
+
+use erfc::erfc;
+pub use wall_layers::WallLayers;
 
 /// Below this time factor the short-time series need fewer terms than the
 /// long-time ones. At the switch both are exact to rounding.
@@ -89,20 +95,6 @@ pub fn excess_pressure_both_ends(depth: f64, time_factor: f64) -> f64 {
     excess_pressure(1.0 - (1.0 - 2.0 * depth).abs(), time_factor)
 }
 
-/// Degree of consolidation of a layer of which a share `drained` (of its
-/// height, 0 ≤ d < 1) is dry from the start, because its pores touch a
-/// drained wall: that share settles at once, the rest drains over 1−d of the
-/// drainage path, which is H, or H/2 where both ends drain.
-///
-/// U = d + (1−d) U_T(T_v / (1−d)²), T_v with the whole drainage path; not a number for another share.
-pub fn degree_of_consolidation_drained_top(time_factor: f64, drained: f64) -> f64 {
-    if !(0.0..1.0).contains(&drained) {
-        return f64::NAN;
-    }
-    let wet = 1.0 - drained;
-    drained + wet * degree_of_consolidation(time_factor / (wet * wet))
-}
-
 /// The time factor at which a degree of consolidation (0 ≤ U < 1) is reached:
 /// the inverse of [`degree_of_consolidation`], to rounding. 0 for U ≤ 0,
 /// infinite for U ≥ 1, and not a number for one that is none.
@@ -172,24 +164,4 @@ fn m(k: u32) -> f64 {
 
 fn alternating(n: u32) -> f64 {
     if n.is_multiple_of(2) { 1.0 } else { -1.0 }
-}
-
-/// Complementary error function for x ≥ 0, to about 1e-15: the Maclaurin
-/// series of erf below 2, Lentz's continued fraction above.
-fn erfc(x: f64) -> f64 {
-    let scale = (-x * x).exp();
-    if x < 2.0 {
-        // erf(x) = 2/√π exp(−x²) Σ 2ⁿ x^(2n+1) / (2n+1)!!: no cancellation.
-        let (mut term, mut sum, mut n) = (x, x, 0.0);
-        while term > 1e-17 * sum {
-            n += 1.0;
-            term *= 2.0 * x * x / (2.0 * n + 1.0);
-            sum += term;
-        }
-        return 1.0 - 2.0 / PI.sqrt() * scale * sum;
-    }
-    // erfc(x) = exp(−x²)/√π · 1/(x + ½/(x + 1/(x + 3/2/(x + …)))), from the
-    // inside out; 60 levels suffice from x = 2.
-    let fraction = (1..=60).rev().fold(x, |tail, k| x + 0.5 * f64::from(k) / tail);
-    scale / (PI.sqrt() * fraction)
 }
