@@ -183,6 +183,7 @@ pub fn run(args: &Args) -> Result<Report> {
         page::DEFINITIONS.to_owned(),
         format!("{}. Measured on {}.", machine::description(), machine::today()),
     ];
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     let markdown = format!(
         "# {title}\n\n![Error against time]({}.png)\n\n![What each knob does alone]({}.png)\n\n{}\n\n{}",
         PICTURES[0],

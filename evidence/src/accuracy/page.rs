@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use dempfv_report::format::three_digits;
-use dempfv_report::markdown::{NOTHING, cell, table};
+use dempfv_report::markdown::{cell, table};
 
 use super::choose::{Choice, order};
 use super::errors::QUANTITIES;
@@ -158,15 +158,16 @@ pub fn orders(sweep: &Sweep) -> String {
         Setting::TimeStep(share) => Some(*share),
         _ => None,
     };
-    let of = |knob| match order(&sweep.points, knob, floor, value) {
-        Some(order) => format!("{order:.2}"),
-        None => NOTHING.to_owned(),
-    };
+    let of = |knob| order(&sweep.points, knob, floor, value);
+    let known = ["remesh interval", "time step"].into_iter().filter_map(|k| Some((k, of(k)?)));
+    let orders: Vec<String> =
+        known.map(|(knob, order)| format!("with the {knob} to the power {order:.2}")).collect();
+    if orders.is_empty() {
+        return String::new();
+    }
     format!(
-        "Own errors grow with the remesh interval to the power {} and with the time step to the power {} \
-         (least squares over the logarithms, points above three times the floor).\n",
-        of("remesh interval"),
-        of("time step")
+        "Own errors grow {} (least squares over the logarithms, points above three times the floor).\n",
+        orders.join(" and ")
     )
 }
 
