@@ -20,7 +20,8 @@ class View(np.ndarray):
     array; ``view.copy()`` keeps values.
 
     ``numpy.asarray(view)`` is an ordinary array in the same memory, which is never freed under it, but
-    which nobody warns when its state is gone.
+    which nobody warns when its state is gone. It shows numbers of a step under way to whoever reads it in
+    another thread meanwhile, as does an operation of numpy's on large views that began before the run.
 
     Examples
     --------

@@ -98,6 +98,7 @@ impl PySimulation {
         drop(before);
     }
 
+    /// Changes what chooses the conductances of new networks.
     pub fn set_remesh_hook(&self, py: Python<'_>, hook: Option<Arc<RemeshHook>>) -> PyResult<()> {
         let shared = self.shared();
         let mut run = shared.run(py)?;

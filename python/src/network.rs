@@ -93,10 +93,9 @@ impl PyNetwork {
     }
 
     fn of_flow<T>(&self, py: Python<'_>, look: impl FnOnce(&Flow) -> T) -> PyResult<T> {
-        match &*lock(&self.flow) {
-            Some(flow) => Ok(look(flow)),
-            None => Err(refused(py, "no flow has been solved; call solve with pressures of walls")),
-        }
+        let seen = lock(&self.flow).as_ref().map(look);
+        let message = "no flow has been solved; call solve with pressures of walls";
+        seen.ok_or_else(|| refused(py, message))
     }
 }
 

@@ -12,7 +12,6 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 use std::thread::{self, ThreadId};
 
 use dempfv::pfv::RetiredNetwork;
-use dempfv::scene::Plan;
 use dempfv::simulation::Simulation;
 use pyo3::prelude::*;
 
@@ -91,7 +90,9 @@ impl Shared {
                 "a step of this simulation has failed by a fault of dempfv's; restore a checkpoint";
             return Err(refused(py, message));
         }
-        match *lock(&self.current) {
+        // Messages are made by Python, which may run another thread: no lock is held then.
+        let current = *lock(&self.current);
+        match current {
             Use::Running { thread, in_hook } if thread != thread::current().id() || !in_hook => {
                 let message =
                     "the simulation is running in another thread; wait for its run to end";
@@ -117,15 +118,6 @@ impl Shared {
         self.check_access(py)?;
         // SAFETY: see `Sync`.
         Ok(change(unsafe { &mut *self.simulation.get() }))
-    }
-
-    /// The plan, of a simulation that may have failed too; not while it runs.
-    pub fn plan(&self, py: Python<'_>) -> PyResult<Plan> {
-        if let Use::Running { .. } = *lock(&self.current) {
-            return Err(refused(py, "the simulation is running; wait for its run to end"));
-        }
-        // SAFETY: nothing computes now, and no Python runs here.
-        Ok(unsafe { &*self.simulation.get() }.plan().clone())
     }
 
     /// Whether a function of the user's is being called within a run.
@@ -159,10 +151,17 @@ impl Shared {
     pub fn run(&self, py: Python<'_>) -> PyResult<Run<'_>> {
         self.check_access(py)?;
         threads::start(py)?;
+        self.claim(py)
+    }
+
+    /// Keeps all others from a simulation, which may have failed: as a run does.
+    pub fn claim(&self, py: Python<'_>) -> PyResult<Run<'_>> {
         let mut current = lock(&self.current);
         if let Use::Running { .. } = *current {
             drop(current);
-            return Err(refused(py, "the simulation is running: a hook cannot run it"));
+            let message =
+                "the simulation is running; neither a hook nor another thread can do this";
+            return Err(refused(py, message));
         }
         *current = Use::Running { thread: thread::current().id(), in_hook: false };
         Ok(Run { shared: self })

@@ -169,16 +169,19 @@ impl PySimulation {
     ///     For a file that is no checkpoint of this scene; the simulation stays as it is.
     fn restore(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let before = self.shared();
-        // A broken simulation may be restored: its plan is whole.
-        let plan = before.plan(py)?;
+        // Of one that has failed, too: its plan is whole.
+        let run = before.claim(py)?;
+        let plan = run.look(py, |s| s.plan().clone());
         let state = load_state(py, &path)?;
         let builder = lock(&self.hooks).builder();
         let restarted = py.detach(|| Simulation::restart_with(plan, state, builder));
-        if let Some(error) = lock(&self.hooks).remesh.as_ref().and_then(|hook| hook.take_raised()) {
+        let failed = lock(&self.hooks).remesh.as_ref().and_then(|hook| hook.take_raised());
+        if let Some(error) = failed {
             return Err(error);
         }
         let mut simulation = restarted.map_err(|e| raised(py, e))?;
-        lock(&self.hooks).act_on(&mut simulation).map_err(|e| raised(py, e))?;
+        let acted = lock(&self.hooks).act_on(&mut simulation);
+        acted.map_err(|e| raised(py, e))?;
         self.replace(simulation);
         Ok(())
     }
@@ -322,7 +325,9 @@ impl PySimulation {
     /// Ends all forces of :meth:`add_force`, the function of :meth:`set_conductance`, and all that :meth:`set_pressure` was told: pressures stay as
     /// they are until the scene changes them.
     fn remove_hooks(&self, py: Python<'_>) -> PyResult<()> {
-        self.set_remesh_hook(py, None)?;
+        if lock(&self.hooks).remesh.is_some() {
+            self.set_remesh_hook(py, None)?;
+        }
         self.shared().change(py, |s| s.controls().take_body_forces())?;
         self.clear_hooks();
         Ok(())
