@@ -274,35 +274,42 @@ def test_views_outlive_their_simulation(wet):
 
 
 def test_no_other_thread_looks_while_a_run_computes(dry):
+    """Nor while its hooks are called: every look is refused until the run has ended."""
     dry["stage"][0]["steps"] = 1_000_000
     sim = dp.Simulation(dry)
     position = sim.spheres.position
-    seen, stop = [], threading.Event()
+    ways = {
+        "a view": lambda: position[0],
+        "a new view": lambda: sim.spheres.radius,
+        "a number": lambda: sim.time,
+        "a copy": lambda: sim.contacts,
+        "a run": lambda: sim.run(steps=1),
+        "a force": lambda: sim.add_force(print),
+    }
+    accepted, said, rounds = [], set(), []
 
     def look():
-        while not stop.is_set():
-            for use in (lambda: position[0], lambda: sim.time, lambda: sim.spheres.radius, lambda: sim.run(steps=1)):
+        for _ in range(40):
+            for way, use in ways.items():
                 try:
                     use()
+                    accepted.append(way)
                 except dp.SimulationError as error:
-                    seen.append(str(error))
-            if len(seen) > 40:
-                stop.set()
-
-    def until_seen(sim):
-        return stop.is_set()
+                    said.add(str(error))
+            rounds.append(1)
 
     thread = threading.Thread(target=look)
 
     def begin(sim):
         if not thread.ident:
             thread.start()
-        return until_seen(sim)
+        return not thread.is_alive()
 
     sim.run(callback=begin, every=50)
-    thread.join()
-    assert len(seen) > 40 and all("is running" in text for text in seen)
-    position[0]
+    assert len(rounds) == 40 and not accepted
+    assert all("is running" in text for text in said)
+    for use in ways.values():
+        use()
 
 
 def resident_bytes():
