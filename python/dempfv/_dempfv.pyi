@@ -7,6 +7,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._views import View
 
+__all__ = [
+    "Contacts",
+    "Factor",
+    "Memory",
+    "NONE",
+    "Network",
+    "Packing",
+    "Pores",
+    "Simulation",
+    "Spheres",
+    "Throats",
+    "Walls",
+    "__version__",
+    "restore",
+    "set_threads",
+]
+
 _Path = str | PathLike[str]
 _Scene = _Path | dict[str, Any]
 _Floats = NDArray[np.float64]

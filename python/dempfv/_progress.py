@@ -9,14 +9,14 @@ from ._errors import InputError
 
 def bar(total, asked_for):
     """A bar; None where tqdm is not installed, or nobody would see it and nobody asked."""
+    if not (asked_for or sys.stderr.isatty() or _in_notebook()):
+        return None
     try:
-        from tqdm.auto import tqdm
+        from tqdm.auto import tqdm  # type: ignore[import-untyped]
     except ImportError:
         if asked_for:
             remedy = "install it (pip install tqdm), or leave out progress=True"
             raise InputError(f"a bar needs tqdm; {remedy}", remedy=remedy) from None
-        return None
-    if not (asked_for or sys.stderr.isatty() or _in_notebook()):
         return None
     return _Bar(tqdm(total=total, unit="step", leave=False))
 

@@ -6,7 +6,15 @@ import numpy as np
 
 # Asked for by numpy and Python itself, whatever becomes of the array.
 _UNCHECKED = frozenset(
-    ("_memory", "__class__", "__dict__", "__doc__", "__array_finalize__", "__array_priority__", "__array_wrap__")
+    (
+        "_memory",
+        "__class__",
+        "__dict__",
+        "__doc__",
+        "__array_finalize__",
+        "__array_priority__",
+        "__array_wrap__",
+    )
 )
 _ADDRESS = np.ndarray.__dict__["__array_interface__"]
 

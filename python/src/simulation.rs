@@ -322,8 +322,8 @@ impl PySimulation {
         self.set_remesh_hook(py, hook)
     }
 
-    /// Ends all forces of :meth:`add_force`, the function of :meth:`set_conductance`, and all that :meth:`set_pressure` was told: pressures stay as
-    /// they are until the scene changes them.
+    /// Ends all forces of :meth:`add_force`, the function of :meth:`set_conductance`, and all that
+    /// :meth:`set_pressure` was told: pressures stay as they are until the scene changes them.
     fn remove_hooks(&self, py: Python<'_>) -> PyResult<()> {
         if lock(&self.hooks).remesh.is_some() {
             self.set_remesh_hook(py, None)?;

@@ -68,8 +68,7 @@ def test_no_network_is_said(dry):
         sim.pores.pressure  # noqa: B018
 
 
-def test_threads_are_started_once():
-    dp.Simulation({"box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "particles": {"cloud": {"count": 2, "porosity": 0.9}},
-                   "dem": {}, "stage": [{"kind": "run", "steps": 1}]}).run()
+def test_threads_are_started_once(dry):
+    dp.Simulation(dry).step()
     with pytest.raises(dp.SimulationError, match="have been started"):
         dp.set_threads(1)

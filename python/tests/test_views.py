@@ -89,7 +89,8 @@ def test_shapes_and_types(wet):
 
 
 def test_rows_and_numbers(dry, tmp_path):
-    packing = dp.Packing([[0.3, 0.5, 0.5], [0.8, 0.1, 0.9], [0.1, 0.9, 0.1]], [0.1, 0.05, 0.08], [[0] * 3, [1] * 3])
+    positions = [[0.3, 0.5, 0.5], [0.8, 0.1, 0.9], [0.1, 0.9, 0.1]]
+    packing = dp.Packing(positions, [0.1, 0.05, 0.08], [[0] * 3, [1] * 3])
     packing.save(tmp_path / "three.txt")
     del dry["box"]
     sim = dp.Simulation(dry | {"particles": {"packing": tmp_path / "three.txt"}})
