@@ -108,7 +108,7 @@ impl<'a, 'py> Drive<'a, 'py> {
     fn steps(&mut self, first: u64) -> PyResult<()> {
         let py = self.simulation.py();
         let every = self.request.every;
-        let mut next_call = self.request.callback.as_ref().map(|_| first + every);
+        let mut next_call = self.request.callback.as_ref().map(|_| first.saturating_add(every));
         let mut signals = Instant::now();
         let begun = Instant::now();
         let mut drawn = begun;
@@ -127,7 +127,9 @@ impl<'a, 'py> Drive<'a, 'py> {
                 until,
                 deadline: Instant::now() + SIGNALS,
             };
-            let advanced = self.run.compute(py, |simulation| stretch.advance(simulation))?;
+            let advanced = self.run.compute(py, |simulation| stretch.advance(simulation));
+            // A step that was broken off leaves nothing to be saved.
+            let advanced = advanced.inspect_err(|_| self.spoilt = true)?;
             if let Some(error) = self.hooks.remesh.as_ref().and_then(|hook| hook.take_raised()) {
                 return Err(error);
             }
@@ -137,7 +139,7 @@ impl<'a, 'py> Drive<'a, 'py> {
             })?;
             let (step, over) = self.run.look(py, |s| (s.step(), reached(s, last, until)));
             if next_call.is_some_and(|call| step >= call) {
-                next_call = Some(step + every);
+                next_call = Some(step.saturating_add(every));
                 if self.call_back()? {
                     return Ok(());
                 }

@@ -59,6 +59,7 @@ pub struct PySimulation {
 }
 
 impl PySimulation {
+    /// A handle on a simulation.
     pub fn of(simulation: Simulation, out: Option<PathBuf>) -> PySimulation {
         let current = Mutex::new(Shared::new(simulation));
         PySimulation { current, hooks: Mutex::default(), out }
@@ -113,6 +114,7 @@ impl PySimulation {
         Ok(())
     }
 
+    /// Forgets all that the user has added.
     pub fn clear_hooks(&self) {
         let mut hooks = lock(&self.hooks);
         let version = hooks.version + 1;

@@ -79,6 +79,7 @@ def test_what_ends_a_run(dry):
     calls = []
     assert sim.run(steps=20, callback=lambda sim: calls.append(sim.steps), every=6) == 20
     assert calls == [25, 31, 37]
+    assert sim.run(steps=0, callback=print, every=2**64 - 1) == 0
     assert sim.run(callback=lambda sim: sim.steps >= 50) == 11
     assert sim.run() == 350
     assert sim.finished and sim.stage is None and sim.run() == 0 and sim.step() is False
