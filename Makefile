@@ -35,13 +35,15 @@ ACCURACY_SECONDS := 30
 # `--quick` has 1,000 spheres and a few intervals; without it YADE alone takes most of an hour.
 ACCURACY_YADE := --quick
 BUNDLE := out/bundle
+WHEELS := out/wheels
+PYTHON_VENV := out/python
 
 # Everything with GPU support is built beside the rest: the features differ.
 WITH_CUDA := --locked --features cuda --target-dir target/cuda
 DEMPFV := target/release/dempfv
 
 .PHONY: help build demo test lint torture fuzz vtk-test demo-test docs-test package-test memcheck racecheck \
-	compare compare-test compare-yade yade-test paper every-step effect-costs accuracy cuda cuda-test bundle bench install-packages \
+	compare compare-test compare-yade yade-test paper every-step effect-costs accuracy cuda cuda-test bundle bench wheel python-test install-packages \
 	install-test-packages install-yade install-lammps install-memcheck-packages install-peers
 
 help: ## List these commands
@@ -182,6 +184,22 @@ cuda-test: install-packages install-test-packages
 
 bundle: cuda ## Pack the GPU program with its libraries for another machine: out/bundle
 	gpu/bundle.sh target/cuda/release/dempfv $(BUNDLE)
+
+# The wheel of this machine's libraries. Its Python is the system's: any from 3.11 on loads it.
+wheel: install-packages install-test-packages ## Build the Python package: out/wheels
+	@test -x $(WHEELS)/venv/bin/maturin || /usr/bin/python3 -m venv $(WHEELS)/venv
+	$(WHEELS)/venv/bin/pip install --quiet --disable-pip-version-check 'maturin>=1.10,<2'
+	cd python && ../$(WHEELS)/venv/bin/maturin build --release --locked --auditwheel skip --out ../$(WHEELS)
+
+# Against the installed wheel and the program, from a folder without sources.
+python-test: wheel build ## Test the Python package
+	rm -rf $(PYTHON_VENV)
+	/usr/bin/python3 -m venv $(PYTHON_VENV)
+	$(PYTHON_VENV)/bin/pip install --quiet --disable-pip-version-check numpy scipy networkx tqdm pytest mypy
+	$(PYTHON_VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --no-index \
+	    --find-links $(WHEELS) dempfv
+	DEMPFV_PROGRAM=$(CURDIR)/$(DEMPFV) $(PYTHON_VENV)/bin/pytest python/tests
+	cd $(PYTHON_VENV) && bin/python -m mypy.stubtest dempfv --ignore-disjoint-bases
 
 bench: install-packages ## Time a step, a network, a solve by criterion, beside the machine's limits (minutes)
 	cargo bench --locked -p dempfv-evidence --bench dem --bench coupled

@@ -17,4 +17,5 @@ for part in "$lender"/* "$lender"/registry/cache "$lender"/registry/index; do
     [ "$part" = "$lender/registry" ] || ln -s "$part" "$home${part#"$lender"}"
 done
 
-CARGO_HOME="$home" cargo package --workspace --locked --allow-dirty
+# All but the Python package, which goes out as a wheel.
+CARGO_HOME="$home" cargo package --workspace --exclude dempfv-python --locked --allow-dirty

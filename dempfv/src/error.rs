@@ -93,6 +93,35 @@ impl Error {
         matches!(self, Error::Input(_))
     }
 
+    /// The step at which the simulation failed, counted from 0 over all stages, where it is known.
+    pub fn step(&self) -> Option<u64> {
+        match self {
+            Error::AtStep { step, .. } => Some(*step),
+            Error::Unstable { source, .. } => source.step(),
+            _ => None,
+        }
+    }
+
+    /// The user's number of the sphere that the error is about, where it is about one.
+    pub fn sphere(&self) -> Option<u32> {
+        match self {
+            Error::Dem(error) => error.particle(),
+            Error::Coupling(error) => error.particle(),
+            Error::AtStep { source, .. } | Error::Unstable { source, .. } => source.sphere(),
+            _ => None,
+        }
+    }
+
+    /// The pore that the error is about, where it is about one.
+    pub fn pore(&self) -> Option<u32> {
+        match self {
+            Error::Pfv(error) => error.pore(),
+            Error::Coupling(error) => error.pore(),
+            Error::AtStep { source, .. } | Error::Unstable { source, .. } => source.pore(),
+            _ => None,
+        }
+    }
+
     /// Whether the state after the failure is of no use to go on from: spheres
     /// where they cannot be, or numbers that are none. A stage that has used up
     /// its steps and a solver that has used up the memory leave a sound one.

@@ -83,6 +83,40 @@ const REEXPORTS: &[(&str, &str)] = &[
     ("Result", "error"),
 ];
 
+/// The crates of the workspace by their folders, and those that each may know, lowest first.
+const CRATES: &[(&str, &[&str])] = &[
+    ("cholmod-sys", &[]),
+    ("cgal-sys", &[]),
+    ("dempfv", &["cholmod-sys", "cgal-sys"]),
+    ("report", &["cholmod-sys", "cgal-sys", "dempfv"]),
+    ("evidence", &["cholmod-sys", "dempfv", "report"]),
+    (".", &["dempfv", "report", "evidence"]),
+    ("python", &["dempfv"]),
+];
+
+#[test]
+fn no_crate_knows_one_above_it() {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let manifest = fs::read_to_string(workspace.join("Cargo.toml")).unwrap();
+    let members = manifest.lines().find(|line| line.starts_with("members")).unwrap();
+    let mut wrong = vec![];
+    for name in members.split('"').skip(1).step_by(2).chain(["."]) {
+        let Some((_, may_know)) = CRATES.iter().find(|(folder, _)| *folder == name) else {
+            panic!("`{name}` is no crate of this test's table");
+        };
+        let manifest = fs::read_to_string(workspace.join(name).join("Cargo.toml")).unwrap();
+        let paths =
+            manifest.lines().filter(|line| !line.starts_with("path =") && !line.starts_with('#'));
+        for path in paths.filter_map(|line| line.split_once("path = \"")?.1.split('"').next()) {
+            let known = path.trim_start_matches("../");
+            if !may_know.contains(&known) {
+                wrong.push(format!("{name} -> {known}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "arrows that run up: {}", wrong.join(", "));
+}
+
 #[test]
 fn no_room_knows_one_above_it() {
     let mut wrong = vec![];
@@ -101,6 +135,14 @@ fn no_room_knows_one_above_it() {
         }
     }
     assert!(wrong.is_empty(), "arrows that run up:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn no_files_of_the_python_package_know_each_other_in_a_circle() {
+    let files = sources_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/src"));
+    assert!(files.len() > 10, "the sources of the Python package are not where they were");
+    let circle = circle(&arrows_within(&[], &files));
+    assert!(circle.is_none(), "a circle: {}", circle.unwrap_or_default().join(" -> "));
 }
 
 #[test]
@@ -181,8 +223,14 @@ struct Source {
 
 /// Every source file but lib.rs, without its tests.
 fn sources() -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut folders = vec![root.clone()];
+    let found = sources_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    assert!(found.len() > 50, "the sources of the library are not where they were");
+    found
+}
+
+/// Every source file below a folder but its lib.rs, likewise.
+fn sources_of(root: &Path) -> Vec<Source> {
+    let mut folders = vec![root.to_owned()];
     let mut found = vec![];
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).unwrap() {
@@ -190,11 +238,10 @@ fn sources() -> Vec<Source> {
             if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|e| e == "rs") && path != root.join("lib.rs") {
-                found.push(Source::read(&root, path));
+                found.push(Source::read(root, path));
             }
         }
     }
-    assert!(found.len() > 50, "the sources of the library are not where they were");
     found.sort_by(|a, b| a.path.cmp(&b.path));
     found
 }

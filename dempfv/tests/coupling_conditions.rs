@@ -251,3 +251,35 @@ fn conditions_of_a_scene_are_read_and_written() {
         assert!(text.contains(says) && error.line == Some(10), "{wrong}: {text}");
     }
 }
+
+/// A caller who says before each step what a function of time says gets its bits, through remeshes of
+/// each kind: of walls and of regions.
+#[test]
+fn pressures_that_are_given_are_those_of_functions() {
+    let bounds = settled().bounds;
+    let region = PoreSelection::Around { center: bounds.center(), radius: 0.1 * bounds.size().y };
+    let imposed = vec![ImposedPressure { pores: region, pressure: 1.0 }];
+    let constant = FluidEffects { imposed, ..FluidEffects::default() };
+    let mut in_time = constant.clone();
+    in_time.wall_pressure[WallId::YMin] = Some(sine());
+    in_time.imposed_in_time = vec![Some(sine())];
+    for acceleration in [
+        Acceleration::default(),
+        Acceleration { update: Update::EveryStep, ..Acceleration::default() },
+        Acceleration { remesh: RemeshMode::Ahead, ..Acceleration::default() },
+    ] {
+        let mut expected = coupled(in_time.clone(), acceleration);
+        let mut given = coupled(constant.clone(), acceleration);
+        let mut untold = coupled(constant.clone(), acceleration);
+        for step in 1..=20 {
+            let pressure = sine().value(given.model_time() + DT);
+            given.controls().set_wall_pressure(WallId::YMin, pressure).unwrap();
+            given.controls().set_imposed_pressure(0, pressure).unwrap();
+            for coupled in [&mut expected, &mut given, &mut untold] {
+                coupled.step(DT).unwrap();
+            }
+            assert_eq!(bits(&given), bits(&expected), "{acceleration:?} {step}");
+        }
+        assert_ne!(bits(&given), bits(&untold));
+    }
+}

@@ -2,8 +2,8 @@
 
 use super::edges::EdgeForces;
 use super::error::Result;
-use super::fluid_effects::FluidEffects;
 use super::fluid_state::{FluidState, Followed, Snapshot};
+use super::given_pressures::Conditions;
 use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use crate::pfv::{Flow, Iterations, NONE, Place};
@@ -21,9 +21,8 @@ pub(super) struct SolidMotion<'a> {
     pub servo: [bool; 6],
     /// The time step (s).
     pub dt: f64,
-    /// Conditions that change with time, and the time at the end of the step (s); `None` where none
-    /// does.
-    pub conditions: Option<(&'a FluidEffects, f64)>,
+    /// Conditions at the end of the step; `None` where they are those of every other one.
+    pub conditions: Option<Conditions<'a>>,
     /// Whether the motion squeezes the fluid.
     pub squeezes: bool,
     /// Whether there is any: velocities are of no account where spheres and walls stand still.
@@ -89,11 +88,13 @@ pub(super) struct ActiveNetwork {
     pub iterations: Option<Iterations>,
     /// The pore of each probe, once it was looked for; [`NONE`] outside the box.
     probed: Vec<u32>,
+    /// Its arrays stay where they are when it goes out of use.
+    pub kept: bool,
 }
 
 impl ActiveNetwork {
     pub fn new(flow: Flow, edges: Option<EdgeForces>, state: FluidState) -> ActiveNetwork {
-        ActiveNetwork { flow, edges, state, iterations: None, probed: vec![] }
+        ActiveNetwork { flow, edges, state, iterations: None, probed: vec![], kept: false }
     }
 
     /// Force of the fluid on each sphere in the last step (N), in storage order.
@@ -130,8 +131,8 @@ impl ActiveNetwork {
                 _ => evaluate_rates(flow, motion),
             })?;
         }
-        if let Some((effects, time)) = motion.conditions {
-            effects.impose(flow, time)?;
+        if let Some(conditions) = motion.conditions {
+            conditions.impose(flow)?;
         }
         // Before the pressures: where this fails, the step has not begun to change them.
         for wall in WallId::ALL {

@@ -1,7 +1,7 @@
 //! What may be changed of the mechanics between two steps.
 
 use super::coupled::Coupled;
-use super::error::Result;
+use super::error::{CouplingError, Result};
 use crate::dem::{BodyForce, CellControls, Dem, Material, MaterialPair, Motion, WallControl};
 use crate::{Vec3, WallId};
 
@@ -145,6 +145,27 @@ impl Controls<'_> {
         self.coupled.dem.take_body_forces()
     }
 
+    /// Changes the pressure (Pa) that a wall imposes, in the steps to come: in the place of the one that
+    /// the fluid or its effects have, through remeshes and stages. A step is refused where the wall
+    /// imposes none then.
+    ///
+    /// # Errors
+    /// [`CouplingError::Parameter`] for a pressure that is not finite.
+    pub fn set_wall_pressure(&mut self, wall: WallId, pressure: f64) -> Result<()> {
+        self.coupled.given.set_wall(wall, finite_pressure(pressure)?);
+        Ok(())
+    }
+
+    /// Changes the pressure (Pa) of one of [`FluidEffects::imposed`](super::FluidEffects::imposed),
+    /// by its place, likewise.
+    ///
+    /// # Errors
+    /// As [`Controls::set_wall_pressure`].
+    pub fn set_imposed_pressure(&mut self, number: usize, pressure: f64) -> Result<()> {
+        self.coupled.given.set_region(number, finite_pressure(pressure)?);
+        Ok(())
+    }
+
     /// Begins to track energy by cause, or ends it; see [`Dem::track_energy`].
     pub fn track_energy(&mut self, on: bool) {
         self.coupled.dem.track_energy(on);
@@ -158,5 +179,12 @@ impl Controls<'_> {
     /// Velocities (m/s) and spins (rad/s), in storage order.
     pub fn storage_velocities_mut(&mut self) -> (&mut [Vec3], &mut [Vec3]) {
         self.coupled.dem.storage_velocities_mut()
+    }
+}
+
+fn finite_pressure(value: f64) -> Result<f64> {
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(CouplingError::Parameter { name: "pressure", value, expected: "finite" }),
     }
 }

@@ -8,6 +8,7 @@ use super::counts::{IntervalTrail, RemeshCounts, UnmetTolerance, UpdateCounts};
 use super::error::{Result, positive};
 use super::fluid_effects::FluidEffects;
 use super::fluid_state::FluidState;
+use super::given_pressures::GivenPressures;
 use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
 use super::network_source::RemeshContext;
@@ -19,7 +20,7 @@ use super::time_step::{AutoTimeStep, TimeStepBounds};
 use super::viscous_bound;
 use crate::dem::{Dem, DemError, FluidLoads};
 use crate::parallel::spinning;
-use crate::pfv::{BuildTimes, Flow, ViscousMode};
+use crate::pfv::{BuildTimes, Flow, RetiredNetwork, ViscousMode};
 use crate::{PerWall, Vec3};
 
 /// Spheres from which on the threads that wait keep their processors busy: with
@@ -39,6 +40,7 @@ pub struct Coupled {
     pub(super) dem: Dem,
     pub(super) saturation: Option<Saturation>,
     pub(super) effects: FluidEffects,
+    pub(super) given: GivenPressures,
     pub(super) remesher: Remesher,
     /// Points whose pore pressure is of interest (m).
     pub(super) probes: Vec<Vec3>,
@@ -71,6 +73,7 @@ impl Coupled {
             dem,
             saturation: None,
             effects: FluidEffects::default(),
+            given: GivenPressures::default(),
             remesher: Remesher::new(),
             probes: vec![],
             steps: 0,
@@ -205,8 +208,9 @@ impl Coupled {
             positive("remesh.strain", strain)?;
         }
         let time = self.time;
-        let Coupled { dem, phases, remesher, probes, effects, .. } = self;
-        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step, time };
+        let Coupled { dem, phases, remesher, probes, effects, given, .. } = self;
+        let context =
+            RemeshContext { dem, saturation, effects, given, step: self.steps, time_step, time };
         remesher.prepare(context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);
@@ -342,6 +346,20 @@ impl Coupled {
         self.remesher.current.as_ref().map(|network| &network.flow)
     }
 
+    /// Whether the arrays of the network in use shall stay where they are in memory: when it goes out of
+    /// use, [`Coupled::take_retired_network`] hands them over. For whoever looks at them by their
+    /// addresses; networks after this one are freed as ever.
+    pub fn keep_network_arrays(&mut self, keep: bool) {
+        if let Some(network) = &mut self.remesher.current {
+            network.kept = keep;
+        }
+    }
+
+    /// The network that was to be kept ([`Coupled::keep_network_arrays`]), once it has gone out of use.
+    pub fn take_retired_network(&mut self) -> Option<RetiredNetwork> {
+        self.remesher.take_kept()
+    }
+
     /// The fluid and how its flow is computed; `None` where the pores are empty.
     pub fn saturation(&self) -> Option<&Saturation> {
         self.saturation.as_ref()
@@ -434,9 +452,10 @@ impl Coupled {
         state: FluidState,
     ) -> Result<()> {
         let time = self.time;
-        let Coupled { dem, phases, remesher, probes, effects, .. } = self;
+        let Coupled { dem, phases, remesher, probes, effects, given, .. } = self;
         let time_step = self.last_time_step;
-        let context = RemeshContext { dem, saturation, effects, step: self.steps, time_step, time };
+        let context =
+            RemeshContext { dem, saturation, effects, given, step: self.steps, time_step, time };
         remesher.restore(state, context, phases)?;
         if let Some(network) = &mut remesher.current {
             network.watch(probes);

@@ -91,6 +91,24 @@ impl CouplingError {
         }
     }
 
+    /// The user's number of the sphere that the error is about, where it is about one.
+    pub fn particle(&self) -> Option<u32> {
+        match self {
+            CouplingError::Dem(error) => error.particle(),
+            CouplingError::Snapshot { source, .. } => source.particle(),
+            _ => None,
+        }
+    }
+
+    /// The pore that the error is about, where it is about one.
+    pub fn pore(&self) -> Option<u32> {
+        match self {
+            CouplingError::Pfv(error) => error.pore(),
+            CouplingError::Snapshot { source, .. } => source.pore(),
+            _ => None,
+        }
+    }
+
     /// Whether the state after the failure is of no use to go on from: spheres
     /// where they cannot be, or numbers that are none. A solver that has used
     /// up the memory, or a growth its steps, leaves a sound one.

@@ -3,7 +3,7 @@
 use super::active_network::{ActiveNetwork, SolidGeometry, SolidMotion};
 use super::coupled::Coupled;
 use super::error::{Result, positive};
-use super::fluid_effects::FluidEffects;
+use super::given_pressures::Conditions;
 use super::options::Update;
 use super::phases::{Phase, Phases};
 use crate::Vec3;
@@ -35,11 +35,12 @@ impl Coupled {
     /// Pressures and forces of a step whose network is there, in which spheres and walls move or
     /// stand still.
     pub(super) fn advance_fluid(&mut self, dt: f64, moves: bool) -> Result<()> {
-        let Coupled { dem, phases, remesher, effects, time, .. } = self;
+        let Coupled { dem, phases, remesher, effects, given, time, .. } = self;
         let follow = remesher.acceleration().update == Update::EveryStep;
         let Some(network) = &mut remesher.current else { return Ok(()) };
         let position = &dem.storage().position;
-        let mut motion = motion(dem, &dem.storage().velocity, dt, (effects, *time + dt));
+        let conditions = Conditions { effects, given, time: *time + dt };
+        let mut motion = motion(dem, &dem.storage().velocity, dt, conditions);
         motion.moves = moves;
         motion.squeezes &= moves;
         motion.follows = follow;
@@ -54,9 +55,10 @@ impl Coupled {
     /// and velocities of before the step, so the bits are those of one after
     /// the other.
     pub(super) fn contacts_beside_fluid(&mut self, dt: f64) -> Result<()> {
-        let Coupled { dem, remesher, phases, overlap, effects, time, .. } = self;
+        let Coupled { dem, remesher, phases, overlap, effects, given, time, .. } = self;
         overlap.velocity.clone_from(&dem.storage().velocity);
-        let mut motion = motion(dem, &overlap.velocity, dt, (effects, *time + dt));
+        let conditions = Conditions { effects, given, time: *time + dt };
+        let mut motion = motion(dem, &overlap.velocity, dt, conditions);
         motion.follows = remesher.acceleration().update == Update::EveryStep;
         let cell = dem.cell().map(|cell| *cell.cell());
         if motion.follows || effects.store() {
@@ -101,7 +103,7 @@ pub(super) fn motion<'a>(
     dem: &Dem,
     velocity: &'a [Vec3],
     dt: f64,
-    (effects, end): (&'a FluidEffects, f64),
+    conditions: Conditions<'a>,
 ) -> SolidMotion<'a> {
     let walls = dem.walls();
     SolidMotion {
@@ -110,8 +112,8 @@ pub(super) fn motion<'a>(
         dilation: dem.cell().map_or(0.0, |cell| cell.velocity_gradient().trace()),
         servo: walls.map(|w| matches!(w.control, WallControl::Servo { .. })).0,
         dt,
-        conditions: effects.change_in_time().then_some((effects, end)),
-        squeezes: !effects.one_way,
+        conditions: conditions.change().then_some(conditions),
+        squeezes: !conditions.effects.one_way,
         moves: true,
         geometry: None,
         follows: false,

@@ -22,6 +22,7 @@ mod error;
 mod fluid_effects;
 mod fluid_state;
 mod fluid_step;
+mod given_pressures;
 mod gpu_use;
 mod network_builder;
 mod network_change;

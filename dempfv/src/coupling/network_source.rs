@@ -11,6 +11,7 @@ use super::counts::RemeshCounts;
 use super::error::Result;
 use super::fluid_effects::FluidEffects;
 use super::fluid_state::Snapshot;
+use super::given_pressures::{Conditions, GivenPressures};
 use super::network_builder::{NetworkBuilder, NetworkRequest, StandardBuilder};
 use super::phases::{Phase, Phases};
 use super::saturation::Saturation;
@@ -23,12 +24,20 @@ pub(super) struct RemeshContext<'a> {
     pub dem: &'a Dem,
     pub saturation: &'a Saturation,
     pub effects: &'a FluidEffects,
+    pub given: &'a GivenPressures,
     /// Steps done.
     pub step: u64,
     /// Length of the step to come, as far as it is known (s).
     pub time_step: f64,
     /// Model time (s).
     pub time: f64,
+}
+
+impl RemeshContext<'_> {
+    /// What is imposed on the flow of the moment.
+    pub fn conditions(&self) -> Conditions<'_> {
+        Conditions { effects: self.effects, given: self.given, time: self.time }
+    }
 }
 
 /// Builds networks, here or in the background.

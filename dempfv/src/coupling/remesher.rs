@@ -25,7 +25,7 @@ use super::phases::{Phase, Phases};
 use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
 use crate::PerWall;
-use crate::pfv::{Extrapolation, Flow, TransferSource, check_tolerance};
+use crate::pfv::{Extrapolation, Flow, RetiredNetwork, TransferSource, check_tolerance};
 
 /// The network in use and the one that comes next.
 pub(super) struct Remesher {
@@ -36,6 +36,8 @@ pub(super) struct Remesher {
     pub current: Option<ActiveNetwork>,
     /// A network that made room for its successor.
     retired: Option<Retired>,
+    /// What somebody still looks at of one that went out of use.
+    kept: Option<RetiredNetwork>,
     pending: Option<Pending>,
     /// The next step has its network.
     prepared: bool,
@@ -90,6 +92,7 @@ impl Remesher {
             source: NetworkSource::new(),
             current: None,
             retired: None,
+            kept: None,
             pending: None,
             prepared: false,
             counts: RemeshCounts::default(),
@@ -149,7 +152,7 @@ impl Remesher {
     /// Frees every network, and cancels the one that is being built.
     pub fn clear(&mut self) {
         self.forget_pending();
-        self.current = None;
+        self.take_current();
         self.retired = None;
         self.source.keep(None);
     }
@@ -159,9 +162,23 @@ impl Remesher {
     pub fn outdate(&mut self) {
         self.forget_pending();
         self.retired = None;
-        if let Some(network) = self.current.take() {
+        if let Some(network) = self.take_current() {
             self.source.keep(network.flow.retire().1);
         }
+    }
+
+    /// Takes the network in use out of it.
+    fn take_current(&mut self) -> Option<ActiveNetwork> {
+        let mut network = self.current.take()?;
+        if network.kept {
+            self.kept = Some(network.flow.set_aside());
+        }
+        Some(network)
+    }
+
+    /// What was kept of a network that has gone out of use.
+    pub fn take_kept(&mut self) -> Option<RetiredNetwork> {
+        self.kept.take()
     }
 
     fn forget_pending(&mut self) {
@@ -328,7 +345,7 @@ impl Remesher {
 
     /// Frees the network in use but for what its successor needs.
     fn make_room(&mut self) {
-        if let Some(network) = self.current.take() {
+        if let Some(network) = self.take_current() {
             let state = network.saved();
             let films = network.edges.map(EdgeForces::retire);
             let (pressures, reusable) = network.flow.retire();
@@ -366,7 +383,7 @@ impl Remesher {
         if beside == Some(false) {
             self.source.keep(None);
         }
-        context.effects.impose(&mut flow, context.time)?;
+        context.conditions().impose(&mut flow)?;
         load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         let mut edges = edges_of(&flow, &snapshot, &context)?;
@@ -490,7 +507,7 @@ impl Remesher {
         let edges = edges_of(&flow, &state.snapshot, &context)?;
         self.put_to_use(flow, edges, state)?;
         if let Some(network) = &mut self.current {
-            context.effects.impose(&mut network.flow, context.time)?;
+            context.conditions().impose(&mut network.flow)?;
             load(&mut network.flow, &context)?;
             network.resume()?;
         }

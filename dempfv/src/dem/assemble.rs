@@ -206,6 +206,7 @@ impl Dem {
             tracks_turning: true,
             motion_work: vec![],
             stiffness: StiffnessScratch::default(),
+            order: 0,
             particles,
             walls,
             cell,

@@ -43,8 +43,8 @@ impl Dem {
         for (what, found) in [("contact force", force.len()), ("contact torque", torque.len())] {
             require_length(what, found, expected)?;
         }
-        self.forces.force = force;
-        self.forces.torque = torque;
+        self.forces.force.copy_from_slice(&force);
+        self.forces.torque.copy_from_slice(&torque);
         self.wall_sums =
             walls.map(|&(force, stiffness, dashpot)| WallSum { force, stiffness, dashpot });
         let (moment, stiffness) = cell;

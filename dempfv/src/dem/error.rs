@@ -291,6 +291,24 @@ pub enum DemError {
     },
 }
 
+impl DemError {
+    /// The user's number of the particle that the error is about, where it is about one; the first of
+    /// two.
+    pub fn particle(&self) -> Option<u32> {
+        match self {
+            DemError::NotFinite { particle, .. }
+            | DemError::BodyForce { particle, .. }
+            | DemError::BadParticle { particle, .. }
+            | DemError::NoSuchMaterial { particle, .. }
+            | DemError::LostDigits { particle, .. }
+            | DemError::OutsideBox { particle, .. }
+            | DemError::LeftBox { particle, .. }
+            | DemError::Coincident { first: particle, .. } => Some(*particle),
+            _ => None,
+        }
+    }
+}
+
 /// Why a sphere goes through a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaving {

@@ -133,6 +133,20 @@ impl Particles {
         from
     }
 
+    /// Goes on in the memory of arrays of as many spheres, which are of no use any more.
+    pub(super) fn move_into(&mut self, memory: Particles) {
+        let Particles { id, position, velocity, spin, radius, mass, material } = self;
+        reuse(id, memory.id);
+        for (values, memory) in
+            [(position, memory.position), (velocity, memory.velocity), (spin, memory.spin)]
+        {
+            reuse(values, memory);
+        }
+        reuse(radius, memory.radius);
+        reuse(mass, memory.mass);
+        reuse(material, memory.material);
+    }
+
     /// Checks lengths, signs and finiteness.
     pub(super) fn check(&self) -> Result<(), DemError> {
         let expected = self.len();
@@ -192,6 +206,12 @@ const SPACING_PER_RADIUS: f64 = 1e-7;
 /// Volume of a sphere (m³).
 fn volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+/// Puts values into memory that has as much room as they need.
+pub(super) fn reuse<T: Copy>(values: &mut Vec<T>, mut memory: Vec<T>) {
+    memory.copy_from_slice(values);
+    *values = memory;
 }
 
 fn permute<T: Copy>(values: &mut Vec<T>, from: &[u32]) {

@@ -5,6 +5,7 @@ use super::cell_pass::CellSum;
 use super::law::{Batch, ContactLaw, Losses, Needs};
 use super::neighbours::{Bounds, Neighbours, WallPair};
 use super::parameters::ParameterTable;
+use super::particles::reuse;
 use super::pass_input::Input;
 use super::sphere_pairs::{SpherePairRange, Wrench};
 use super::wall_pairs::{WallPairRange, WallSum};
@@ -26,6 +27,14 @@ pub(super) struct Forces {
     pub losses: Vec<Losses>,
     /// Sums of the contacts in a periodic cell, per block; empty without one.
     pub cell_sums: Vec<CellSum>,
+}
+
+impl Forces {
+    /// Goes on in the memory of forces on as many spheres, which are of no use any more.
+    pub fn move_into(&mut self, memory: Forces) {
+        reuse(&mut self.force, memory.force);
+        reuse(&mut self.torque, memory.torque);
+    }
 }
 
 /// A law with the constants of this pass.

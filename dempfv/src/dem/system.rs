@@ -93,6 +93,8 @@ pub struct Dem {
     pub(super) motion_work: Vec<MotionWork>,
     /// Scratch of [`Dem::contact_time_step`].
     pub(super) stiffness: StiffnessScratch,
+    /// See [`Dem::storage_order`].
+    pub(super) order: u64,
 }
 
 impl Dem {
@@ -127,10 +129,13 @@ impl Dem {
         let materials = std::mem::take(&mut self.materials);
         let pairs = std::mem::take(&mut self.pairs);
         let body_forces = std::mem::take(&mut self.body_forces);
-        let tracks_turning = self.tracks_turning;
-        *self = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
+        let sorted = Dem::assemble(law, state, materials, self.wall_material, self.options)?;
+        let before = std::mem::replace(self, sorted);
         (self.pairs, self.body_forces) = (pairs, body_forces);
-        self.tracks_turning = tracks_turning;
+        self.tracks_turning = before.tracks_turning;
+        self.order = before.order + 1;
+        self.particles.move_into(before.particles);
+        self.forces.move_into(before.forces);
         Ok(())
     }
 
@@ -278,9 +283,15 @@ impl Dem {
 
     /// The spheres in storage order, an order in space of the `Dem`'s own:
     /// [`Particles::id`] tells the user's number of each. For loops over all
-    /// spheres that shall not copy them.
+    /// spheres that shall not copy them. Its arrays, and those of [`Dem::storage_forces`] and
+    /// [`Dem::storage_torques`], stay where they are in memory as long as there is the `Dem`.
     pub fn storage(&self) -> &Particles {
         &self.particles
+    }
+
+    /// How often the storage order has changed ([`Dem::sort_spatially`]).
+    pub fn storage_order(&self) -> u64 {
+        self.order
     }
 
     /// Velocities (m/s) and spins (rad/s) in storage order, to be changed.

@@ -155,6 +155,17 @@ impl PfvError {
         PfvError::InvalidInput { argument, index: Some(index), problem: problem.into() }
     }
 
+    /// The pore that the error is about, where it is about one.
+    pub fn pore(&self) -> Option<u32> {
+        match self {
+            PfvError::BadPore { pore, .. }
+            | PfvError::NotFinite { pore, .. }
+            | PfvError::SealedPores { pore, .. }
+            | PfvError::PressureNotFinite { pore } => Some(*pore),
+            _ => None,
+        }
+    }
+
     /// The same error where sphere `i` has the number `number[i]`: the user's,
     /// when the network was built of spheres in another order.
     #[must_use]

@@ -17,7 +17,7 @@ impl Simulation {
     }
 
     /// The estimated error of the pore pressures so far; `None` without `[accuracy]`, and before the first of
-    /// them.
+    /// them. Forces and pressures of a caller's own ([`Simulation::controls`]) are not in what looks ahead.
     pub fn error_estimate(&self) -> Option<ErrorEstimate> {
         self.error_control.as_ref()?.estimate(self.coupled.network_strain())
     }

@@ -21,6 +21,7 @@ use crate::coupling::{
 use crate::dem::DemError;
 use crate::dem::law::Linear;
 use crate::io::checkpoint::Spheres;
+use crate::pfv::RetiredNetwork;
 use crate::scene::{self, Plan, Stage};
 use crate::{Error, PerWall, Result};
 
@@ -360,6 +361,16 @@ impl Simulation {
     /// begin.
     pub fn controls(&mut self) -> Controls<'_> {
         self.coupled.controls()
+    }
+
+    /// See [`Coupled::keep_network_arrays`].
+    pub fn keep_network_arrays(&mut self, keep: bool) {
+        self.coupled.keep_network_arrays(keep);
+    }
+
+    /// See [`Coupled::take_retired_network`].
+    pub fn take_retired_network(&mut self) -> Option<RetiredNetwork> {
+        self.coupled.take_retired_network()
     }
 
     /// Networks built so far, before a restart included.

@@ -42,6 +42,11 @@ impl SimulationState {
         self.clock.time
     }
 
+    /// The scene that the state was made with, as [`Plan::to_toml`] writes it.
+    pub fn scene(&self) -> &str {
+        &self.origin.scene
+    }
+
     /// Number of the stage that was going on, or comes next.
     pub(super) fn stage(&self) -> usize {
         self.stage as usize

@@ -127,6 +127,24 @@ fn controls(t: &mut Table) {
     t.refuses("coupling::Controls::set_control", "wall velocity", || {
         dry().controls().set_control(WallId::XMin, WallControl::Velocity(f64::NAN))
     });
+    for value in [f64::NAN, f64::INFINITY] {
+        t.refuses("coupling::Controls::set_wall_pressure", "pressure", || {
+            wet().controls().set_wall_pressure(WallId::YMax, value)
+        });
+        t.refuses("coupling::Controls::set_imposed_pressure", "pressure", || {
+            wet().controls().set_imposed_pressure(0, value)
+        });
+    }
+    t.refuses("coupling::Controls::set_wall_pressure", "imposes none", || {
+        let mut coupled = wet();
+        coupled.controls().set_wall_pressure(WallId::YMin, 1.0)?;
+        coupled.step(1e-5)
+    });
+    t.refuses("coupling::Controls::set_imposed_pressure", "imposed pressure[7]", || {
+        let mut coupled = wet();
+        coupled.controls().set_imposed_pressure(7, 1.0)?;
+        coupled.step(1e-5)
+    });
     t.panics("coupling::Controls::add_force", || dry().controls().add_force(20, Vec3::zeros()));
     t.panics("coupling::Controls::add_torque", || dry().controls().add_torque(20, Vec3::zeros()));
     t.refuses("coupling::Controls::add_force", "particle 7", || {

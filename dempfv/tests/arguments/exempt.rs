@@ -82,6 +82,8 @@ pub const EXEMPT: &[(&[&str], &str)] = &[
             "dem::Dem::track_turning",
             "coupling::Controls::track_energy",
             "coupling::Controls::track_turning",
+            "coupling::Coupled::keep_network_arrays",
+            "simulation::Simulation::keep_network_arrays",
         ],
         "takes any value of its argument's type, or one that was checked when it was made or will be \
          where it is used",
