@@ -31,7 +31,7 @@ EFFECT_COSTS := out/effect-costs
 ACCURACY := out/accuracy
 ACCURACY_SCENES := caulk2020 oedometer impact sedimentation triaxial-undrained permeability
 # Seconds that each reference may take.
-ACCURACY_SECONDS := 20
+ACCURACY_SECONDS := 10
 # `--quick` has 1,000 spheres and a few intervals; without it YADE alone takes most of an hour.
 ACCURACY_YADE := --quick
 BUNDLE := out/bundle

@@ -20,8 +20,10 @@ use super::gpu_use::GpuUse;
 use super::network_builder::NetworkBuilder;
 use super::network_change::Comparison;
 use super::network_source::{NetworkSource, RemeshContext};
+use super::new_network::{edges_of, load, volume_change};
 use super::options::{Acceleration, OnFailure, RemeshMode, Swap, Update};
 use super::phases::{Phase, Phases};
+use super::remesh_due::Due;
 use super::saturation::RemeshRule;
 use super::viscous_bound::FastestMode;
 use crate::PerWall;
@@ -61,27 +63,6 @@ struct Pending {
     ticket: Option<Ticket>,
     /// Its answer, once it was found to be there.
     answer: Option<Answer>,
-}
-
-/// What is due at a network's age.
-struct Due {
-    /// Half of the interval or of the strain has gone by.
-    half: bool,
-    /// The whole of one has.
-    whole: bool,
-    /// The whole of the strain has.
-    strained: bool,
-}
-
-impl Due {
-    fn of(network: &ActiveNetwork, rule: &RemeshRule, interval: Option<u64>) -> Due {
-        let since = network.state.since;
-        // An interval of no steps would be one of every step.
-        let old = |halves: u64| interval.is_some_and(|n| since >= n.max(1) * halves / 2);
-        let strain = network.strain(rule);
-        let strained = strain > 1.0 || network.state.exhausted;
-        Due { half: old(1) || strain > 0.5 || strained, whole: old(2) || strained, strained }
-    }
 }
 
 impl Remesher {
@@ -517,40 +498,6 @@ impl Remesher {
         }
         Ok(())
     }
-}
-
-/// Gives a fluid of some density its weight under the gravity of the spheres, and what flows through
-/// a periodic cell its mean gradient.
-fn load(flow: &mut Flow, context: &RemeshContext) -> Result<()> {
-    let weight = context.effects.density.zip(context.dem.options().gravity);
-    if let Some((density, gravity)) = weight {
-        flow.set_weight(density * gravity)?;
-    }
-    if let Some(gradient) = context.effects.pressure_gradient {
-        flow.set_pressure_gradient(gradient)?;
-        flow.move_with_spheres(&context.dem.storage().mass)?;
-    }
-    Ok(())
-}
-
-/// The edges of a new network, where they carry forces.
-fn edges_of(
-    flow: &Flow,
-    snapshot: &Snapshot,
-    context: &RemeshContext,
-) -> Result<Option<EdgeForces>> {
-    let network = (flow.network(), context.saturation.fluid.slip_walls);
-    EdgeForces::new(&context.effects.edges, network, &snapshot.position, context.dem)
-}
-
-/// What each pore has grown by since the positions that its network was built of (m³).
-fn volume_change(flow: &Flow, context: &RemeshContext) -> Result<Vec<f64>> {
-    let position = &context.dem.storage().position;
-    let now = match context.dem.cell() {
-        None => flow.network().volumes_at(position, &context.dem.box_())?,
-        Some(cell) => flow.network().volumes_in_cell(position, cell.cell())?,
-    };
-    Ok(now.iter().zip(&flow.network().volume).map(|(now, then)| now - then).collect())
 }
 
 impl Pending {

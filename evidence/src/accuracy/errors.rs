@@ -24,6 +24,9 @@ pub struct Errors {
 /// The quantities, by name.
 pub const QUANTITIES: [&str; 5] = ["pressure", "displacement", "drained", "stress", "permeability"];
 
+/// From this difference between two references on, a quantity has no relative error.
+const MEANINGLESS: f64 = 0.1;
+
 impl Errors {
     /// How far a run is from another.
     pub fn between(run: &Course, other: &Course) -> Errors {
@@ -33,6 +36,21 @@ impl Errors {
             drained: relative(&run.drained, &other.drained),
             stress: relative(&run.stress, &other.stress),
             permeability: relative(&run.permeability, &other.permeability),
+        }
+    }
+
+    /// Without the quantities that another solver already makes another: they are next to nothing in this
+    /// scene, and an error relative to them says nothing.
+    pub fn beside_floor(self, floor: &Errors) -> Errors {
+        let known = |error: Option<f64>, floor: Option<f64>| {
+            error.filter(|_| floor.is_none_or(|floor| floor < MEANINGLESS))
+        };
+        Errors {
+            pressure: known(self.pressure, floor.pressure),
+            displacement: known(self.displacement, floor.displacement),
+            drained: known(self.drained, floor.drained),
+            stress: known(self.stress, floor.stress),
+            permeability: known(self.permeability, floor.permeability),
         }
     }
 
@@ -79,6 +97,9 @@ mod tests {
         let errors = Errors::between(&course(&[1.1]), &course(&[1.0]));
         assert!((errors.main() - 0.1).abs() < 1e-12, "{errors:?}");
         assert_eq!(errors.all()[1..], [None; 4]);
+        let floor = Errors { pressure: Some(1.0), ..Errors::default() };
+        assert_eq!(errors.beside_floor(&floor), Errors::default());
+        assert_eq!(errors.beside_floor(&Errors::default()), errors);
         let dry = Errors { displacement: Some(0.0), stress: Some(0.5), ..Errors::default() };
         assert_eq!(dry.main(), 0.5);
         assert!(Errors::default().main().is_nan());

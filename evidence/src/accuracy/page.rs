@@ -19,7 +19,7 @@ each, by volume), the displacement of each wall since the window began, prescrib
 the stress on each wall; each at the time that it belongs to: pressures half a step before the positions that \
 gave them, of which the contacts are; or a permeability. The *own* error is that of pressures (without fluid the larger of displacements and stresses) beside the same \
 scene with the finest setting of the same knob, or with a network at each step where the knob is one of \
-networks: what this knob alone does. Estimated is the error of pressures that a run with `[accuracy]` states of itself. Energy is what the balance misses \
+networks: what this knob alone does. Estimated is the error of pressures that a run with `[accuracy]` states of itself. A dash stands for what is not there, or is so little that two references with different solvers differ in it. Energy is what the balance misses \
 over all that was moved, of the run itself. Time is wall time per model time, the median of up to three turns. \
 A star: the own error is below what separates two references with different linear solvers.";
 

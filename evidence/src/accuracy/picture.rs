@@ -36,6 +36,9 @@ const fn dots(radius: f64) -> Mark {
     Mark::Dots { radius, apart: 0.0 }
 }
 
+/// Knobs whose settings have no order: a line would join what does not belong together.
+const CHOICES: [&str; 5] = ["remesh mode", "update", "solver", "clamp", "effects"];
+
 /// A line with dots for each knob that has points.
 fn lines<'a>(curves: &'a [(&'static str, Curve)]) -> Vec<Series<'a>> {
     let mut series = vec![];
@@ -43,6 +46,10 @@ fn lines<'a>(curves: &'a [(&'static str, Curve)]) -> Vec<Series<'a>> {
         let color = SERIES[i % SERIES.len()];
         let dash = (i >= SERIES.len()).then_some([5.0, 3.0]);
         let name = Some((*knob).to_owned());
+        if CHOICES.contains(knob) {
+            series.push(Series { name, x, y, color, mark: dots(3.4) });
+            continue;
+        }
         series.push(Series { name, x, y, color, mark: line(1.4, dash) });
         series.push(Series { name: None, x, y, color, mark: dots(2.6) });
     }

@@ -81,6 +81,8 @@ pub struct Runs<'a> {
     folder: PathBuf,
     quick: bool,
     progress: Progress,
+    /// What separates two references.
+    floor: Errors,
 }
 
 /// A run that is done.
@@ -96,7 +98,13 @@ struct Kept {
 
 impl<'a> Runs<'a> {
     pub fn new(study: &'a Study, folder: &Path, quick: bool) -> Runs<'a> {
-        Runs { study, folder: folder.to_owned(), quick, progress: Progress::new() }
+        Runs {
+            study,
+            folder: folder.to_owned(),
+            quick,
+            progress: Progress::new(),
+            floor: Errors::default(),
+        }
     }
 
     /// The run of a plan under this name, unless it is there already.
@@ -167,9 +175,10 @@ impl<'a> Runs<'a> {
             Ok(course) => (Some(course), None),
             Err(error) => (None, Some(error.to_string())),
         };
-        let errors = course.as_ref().map_or(Errors::default(), |c| Errors::between(c, reference));
+        let between = |a: &Course, b| Errors::between(a, b).beside_floor(&self.floor);
+        let errors = course.as_ref().map_or(Errors::default(), |c| between(c, reference));
         let own = match (&course, finest) {
-            (Some(course), Some(finest)) => Errors::between(course, finest),
+            (Some(course), Some(finest)) => between(course, finest),
             _ => Errors::default(),
         };
         let per_second = |c: &Course| c.seconds.iter().map(|s| s / self.study.window).collect();
@@ -206,6 +215,7 @@ impl<'a> Runs<'a> {
     pub fn sweep(&mut self) -> Result<Sweep> {
         let (exact, floor) = self.reference()?;
         let limit = floor.main();
+        self.floor = floor;
         // A scene that cannot go on has no accuracy.
         self.course("scene as it is", &self.study.plan)?;
         let (scene, _) = self.point("scene", &[], (&exact, None), limit);
