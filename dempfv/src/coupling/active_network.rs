@@ -151,8 +151,10 @@ impl ActiveNetwork {
         } else {
             phases.time(Phase::Solve, || flow.update_pressure())?;
         }
-        let solved = state.since > 0;
-        state.wall_force_before = solved.then(|| *flow.wall_force());
+        // In the first step it is that of the network before.
+        if state.since > 0 {
+            state.wall_force_before = Some(*flow.wall_force());
+        }
         phases.time(Phase::FluidForces, || flow.update_force());
         if motion.squeezes {
             state.book_volumes(flow, motion.dt);

@@ -59,7 +59,7 @@ pub(super) struct FluidState {
     /// Share of the fluid's force on each such wall that outlives a step at rest
     /// ([`Flow::wall_persistence`](crate::pfv::Flow::wall_persistence)).
     pub persistence: PerWall<f64>,
-    /// The fluid's force on each wall in the step before the last (N), in this network.
+    /// The fluid's force on each wall in the step before the last (N).
     pub wall_force_before: Option<[Vec3; 6]>,
     /// The network cannot follow the spheres any further.
     pub exhausted: bool,

@@ -4,6 +4,7 @@
 use super::coupled::Coupled;
 use super::error::Result;
 use super::fluid_step::motion;
+use super::given_pressures::Conditions;
 use super::network_change::{Comparison, NetworkChange};
 use super::network_source::RemeshContext;
 use super::options::{RemeshMode, Update};
@@ -27,8 +28,8 @@ impl Remesher {
         else {
             return Ok(());
         };
-        let RemeshContext { dem, effects, time, time_step, .. } = *context;
-        let end = (effects, time + time_step);
+        let RemeshContext { dem, time, time_step, .. } = *context;
+        let end = Conditions { time: time + time_step, ..context.conditions() };
         let motion = motion(dem, &dem.storage().velocity, time_step, end);
         network.advance(&motion, phases)?;
         let spheres = dem.storage().len();

@@ -327,7 +327,10 @@ impl Remesher {
     /// Frees the network in use but for what its successor needs.
     fn make_room(&mut self) {
         if let Some(network) = self.take_current() {
-            let state = network.saved();
+            let mut state = network.saved();
+            if state.since > 0 {
+                state.wall_force_before = Some(*network.flow.wall_force());
+            }
             let films = network.edges.map(EdgeForces::retire);
             let (pressures, reusable) = network.flow.retire();
             self.retired = Some(Retired { pressures, films, state });
@@ -368,9 +371,9 @@ impl Remesher {
         load(&mut flow, &context)?;
         let mut fastest = FastestMode::default();
         let mut edges = edges_of(&flow, &snapshot, &context)?;
-        let mut grown_to = None;
+        let (mut grown_to, mut wall_force_before) = (None, None);
         if let Some(Retired { pressures, films, state }) = self.retired.take() {
-            grown_to = state.grown_to;
+            (grown_to, wall_force_before) = (state.grown_to, state.wall_force_before);
             fastest = state.fastest.outdated();
             flow.transfer_pressures(&pressures);
             if let (Some(edges), Some(films)) = (&mut edges, &films) {
@@ -399,7 +402,7 @@ impl Remesher {
             time_step: None,
             resistance: PerWall::default(),
             persistence: PerWall::default(),
-            wall_force_before: None,
+            wall_force_before,
             exhausted: false,
             extrapolation: Extrapolation::default(),
             solved_by: None,

@@ -93,8 +93,9 @@ pub struct Report {
     /// Model time of all runs (s), and whether that is the whole stage.
     window_s: f64,
     whole_stage: bool,
-    /// What separates two references (1).
+    /// What separates two references (1): by their solvers, and by steps twice as long.
     floor: f64,
+    step_floor: f64,
     /// Wall seconds per second of model time of the reference.
     reference_seconds: f64,
     points: Vec<Point>,
@@ -178,7 +179,7 @@ pub fn run(args: &Args) -> Result<Report> {
     }
     let parts = [
         page::about(&study, &sweep),
-        page::words(&chosen),
+        page::words(&chosen, sweep.step_floor.main()),
         page::orders(&sweep),
         page::DEFINITIONS.to_owned(),
         format!("{}. Measured on {}.", machine::description(), machine::today()),
@@ -197,7 +198,9 @@ pub fn run(args: &Args) -> Result<Report> {
     let html = page::html(&title, &svg, &parts, &sweep, &chosen);
     let html_path = folder.join(HTML);
     atomic::write(&html_path, html.as_bytes())?;
+    let words = page::words(&chosen, sweep.step_floor.main());
     let (floor, reference_seconds) = (sweep.floor.main(), sweep.reference_seconds(study.window));
+    let step_floor = sweep.step_floor.main();
     let mut points = vec![sweep.scene];
     points.extend(sweep.points);
     let report = Report {
@@ -207,9 +210,10 @@ pub fn run(args: &Args) -> Result<Report> {
         window_s: study.window,
         whole_stage: study.whole,
         floor,
+        step_floor,
         reference_seconds,
         points,
-        words: page::words(&chosen),
+        words,
         chosen,
         page: html_path,
     };

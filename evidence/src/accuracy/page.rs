@@ -103,7 +103,8 @@ pub fn about(study: &Study, sweep: &Sweep) -> String {
     format!(
         "{} spheres, stage `{}` from its beginning {whole}: {} stable time steps of {} s. The reference \
          {reference} of {} of the stable one: {} s per \
-         second of model time, {} steps. Another reference with the other linear solver is off by {}.\n{theory}",
+         second of model time, {} steps. Another reference with the other linear solver is off by {}, one with steps \
+         twice as long by {}: about as much is the reference itself off, and no smaller error is known.\n{theory}",
         study.spheres,
         study.stage_name,
         three_digits(study.window / study.limit),
@@ -112,11 +113,12 @@ pub fn about(study: &Study, sweep: &Sweep) -> String {
         three_digits(sweep.reference_seconds(study.window)),
         sweep.reference.steps,
         shown(Some(sweep.floor.main())),
+        shown(Some(sweep.step_floor.main())),
     )
 }
 
 /// What is recommended, in words.
-pub fn words(choices: &[Choice]) -> String {
+pub fn words(choices: &[Choice], known: f64) -> String {
     let mut text = String::new();
     for choice in choices {
         let Choice { target, point, met, elsewhere, .. } = choice;
@@ -142,6 +144,14 @@ pub fn words(choices: &[Choice]) -> String {
         if let Some(why) = &choice.not_elsewhere {
             let _ = writeln!(text, "- Not tried on other spheres: {why}.");
         }
+    }
+    if choices.iter().any(|c| c.target < known) {
+        let _ = writeln!(
+            text,
+            "- The reference itself is known to {} % only: what meets a smaller target is as near to it as that, and \
+             no nearer to the truth.",
+            three_digits(100.0 * known)
+        );
     }
     if choices.iter().any(|c| c.point.settings.iter().any(|s| matches!(s, Setting::TimeStep(_)))) {
         text += "- A `dt` chosen here is fixed, from the stable step when the window began: where a packing \

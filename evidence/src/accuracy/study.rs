@@ -49,6 +49,8 @@ pub enum Extent {
 const COARSEST: f64 = 0.25;
 /// Largest stable steps between the window's end and that of the stage.
 const MARGIN: f64 = 6.0;
+/// Largest stable steps that a window has at least, however long they take.
+const SHORTEST: f64 = 4.0;
 /// Steps of the reference that are timed to choose the window.
 const TRIAL: u32 = 6;
 /// The reference takes at least so many steps, however slow they are.
@@ -196,7 +198,7 @@ impl Study {
     /// As much as the budget allows of what the stage lasts.
     fn choose_window(&mut self, extent: Extent) -> Result<()> {
         let affordable = match extent {
-            Extent::Budget(seconds) => self.affordable(seconds)?,
+            Extent::Budget(seconds) => self.affordable(seconds)?.max(SHORTEST * self.limit),
             Extent::Window(window) => window,
         };
         // No run shall leave the stage before it has seen the last moment, and of some more steps.

@@ -63,6 +63,8 @@ pub struct Sweep {
     pub reference: Course,
     /// What separates two references that differ by the linear solver alone.
     pub floor: Errors,
+    /// What separates the reference from one whose steps are twice as long: no error below is known.
+    pub step_floor: Errors,
     /// The scene as it is.
     pub scene: Point,
     pub points: Vec<Point>,
@@ -148,6 +150,21 @@ impl<'a> Runs<'a> {
         Ok((reference, floor))
     }
 
+    /// How far the reference is from one whose steps are twice as long.
+    fn longer_steps(&mut self, reference: &Course) -> Result<Errors> {
+        if self.study.is_static {
+            return Ok(Errors::default());
+        }
+        let mut settings = self.study.reference_settings();
+        for setting in &mut settings {
+            if let Setting::TimeStep(share) = setting {
+                *share *= 2.0;
+            }
+        }
+        let longer = self.course("reference, longer steps", &self.study.with(&settings))?;
+        Ok(Errors::between(&longer, reference).beside_floor(&self.floor))
+    }
+
     /// The solver that `auto` does not take for this scene.
     fn other_than_auto(&self) -> Result<SolverKind> {
         let mut simulation = dempfv::simulation::Simulation::restart(
@@ -216,6 +233,7 @@ impl<'a> Runs<'a> {
         let (exact, floor) = self.reference()?;
         let limit = floor.main();
         self.floor = floor;
+        let step_floor = self.longer_steps(&exact)?;
         // A scene that cannot go on has no accuracy.
         self.course("scene as it is", &self.study.plan)?;
         let (scene, _) = self.point("scene", &[], (&exact, None), limit);
@@ -248,7 +266,7 @@ impl<'a> Runs<'a> {
                 points.push(point);
             }
         }
-        Ok(Sweep { reference: exact, floor, scene, points })
+        Ok(Sweep { reference: exact, floor, step_floor, scene, points })
     }
 }
 
