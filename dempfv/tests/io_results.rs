@@ -165,7 +165,7 @@ fn a_bad_checkpoint_is_refused_with_the_reason() {
     }
     let mut bytes = good.clone();
     bytes[8] = 99;
-    assert_eq!(reason(&bytes), "a checkpoint of format 99; this program reads format 10");
+    assert_eq!(reason(&bytes), "a checkpoint of format 99; this program reads format 11");
     let mut bytes = good.clone();
     bytes[good.len() / 2] ^= 1;
     assert_eq!(reason(&bytes), "the checkpoint is damaged: its checksum does not match");
