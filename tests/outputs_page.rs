@@ -94,7 +94,7 @@ target = 0.1
 [[stage]]
 kind = "run"
 steps = 20
-walls = { y_max = { velocity = -0.1 } }
+walls = { y_min = { velocity = 0.1 } }
 "#;
 
 /// A run between walls with the kinds of stages that move spheres, whose networks follow these, one that
